@@ -1,0 +1,1 @@
+"""gearfem: stiffness and dynamics of spur gears, worn ones above all."""

@@ -1,0 +1,72 @@
+"""What the compliance stage hands on: deflection per line load, per gear, over the load's position."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from gearfem.definition.setup import Member
+from gearfem.foundation import Array, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class ComplianceCurve(Record):
+    """Deflection of one tooth of one gear along the load line, where that line crosses the tooth's centreline.
+
+    Parameters
+    ----------
+    method, support : str
+        How it was computed (``fe_plane_strain``, ``fe_plane_stress``, ``castigliano``) and what was held
+        (``bore``, ``root``, ``root_chord``).
+    u : ndarray, shape (n,)
+        Load positions as parameters of the `Outline`, increasing; loads are normal to it, into the metal.
+    radius : ndarray, shape (n,)
+        Radii of the load points [m].
+    deflection : ndarray, shape (n,)
+        Deflection per line load [m per N/m].
+    depth : ndarray, shape (n,)
+        Distance from the load point to the centreline along the load line [m].
+    """
+
+    method: str
+    support: str
+    u: Array
+    radius: Array
+    deflection: Array
+    depth: Array
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class ToothCompliance(ComplianceCurve):
+    """A compliance curve with the coupling of neighbour teeth through the body.
+
+    Parameters
+    ----------
+    offsets : tuple of int
+        Neighbours described, without 0. +1 is the neighbour on the side of the loaded flank (at one pitch
+        towards positive y of the `Outline`), -1 the one behind.
+    coupling : ndarray, shape (len(offsets), n, n)
+        coupling[k, i, j]: displacement of flank point i of the neighbour offsets[k], along the inward normal
+        there, per line load at point j of the loaded tooth [m per N/m]. Reciprocity: the table of -o is the
+        transpose of that of +o.
+    """
+
+    offsets: tuple[int, ...]
+    coupling: Array
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Compliance(Record):
+    """Compliance of both gears, whole, each held at its bore.
+
+    Parameters
+    ----------
+    pinion, wheel : ToothCompliance
+        One tooth of each gear and its coupling to the neighbours.
+    """
+
+    pinion: ToothCompliance
+    wheel: ToothCompliance
+
+    def of(self, member: Member) -> ToothCompliance:
+        """Return the compliance of one member."""
+        return self.pinion if member == "pinion" else self.wheel

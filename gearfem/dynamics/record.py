@@ -1,0 +1,105 @@
+"""What the dynamics stage takes and hands on: the drive train and its motions."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from numpy.typing import NDArray
+
+from gearfem.foundation import Array, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class DriveTrain(Record):
+    """Two inertias, their torques and the losses between them.
+
+    Parameters
+    ----------
+    pinion_inertia, wheel_inertia : float
+        Moments of inertia reduced to the two shafts [kg m2].
+    pinion_torque, wheel_torque : float
+        Driving torque and braking torque, both positive [N m]. Each model scales the wheel's to its own balance.
+    efficiency : float
+        Efficiency of the drive, used by the rigid model alone.
+    pinion_speed : float
+        Mean angular velocity of the pinion [rad/s].
+    friction_coefficient, damping_ratio : float
+        Coefficient of tooth friction; zeta of D = 2 zeta sqrt(C M).
+    """
+
+    pinion_inertia: float
+    wheel_inertia: float
+    pinion_torque: float
+    wheel_torque: float
+    efficiency: float
+    pinion_speed: float
+    friction_coefficient: float
+    damping_ratio: float
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class RigidMotion(Record):
+    """Periodic motion of the rigid model over one period of the gear ratio; arrays have shape (n,).
+
+    Parameters
+    ----------
+    pinion_angle, time, pinion_speed, pinion_acceleration, wheel_acceleration : ndarray
+        [rad], [s], [rad/s], [rad/s2], [rad/s2].
+    dynamic_factor : ndarray
+        Kw = 1 - J1 phi1''/T1.
+    wheel_torque : float
+        Braking torque at which the work over one period balances [N m].
+    """
+
+    pinion_angle: Array
+    time: Array
+    pinion_speed: Array
+    pinion_acceleration: Array
+    wheel_acceleration: Array
+    dynamic_factor: Array
+    wheel_torque: float
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class ElasticMotion(Record):
+    """Steady motion of the elastic model; arrays have shape (n,) unless stated.
+
+    Parameters
+    ----------
+    time, pinion_angle : ndarray
+        [s] and [rad], whole mesh cycles.
+    mesh_force : ndarray
+        Normal force along the line of action [N], positive on the working flank.
+    transmission_error : ndarray
+        Lag of the wheel, along the line of action [m].
+    pinion_speed, pinion_acceleration : ndarray
+        Absolute motion of the pinion, psi1' and psi1'' [rad/s], [rad/s2].
+    dynamic_factor : ndarray
+        Kw = 1 - J1 psi1''/T1.
+    wheel_torque : float
+        Braking torque at which the mean power of the orbit balances [N m].
+    multipliers : ndarray of complex, shape (3,)
+        Floquet multipliers of the orbit without the free rotation; empty where no periodic orbit was found.
+    periodic : bool
+        Whether the motion is a stable periodic orbit; if not, it is a transient's tail, statistics only.
+    contact_loss : float
+        Fraction of the time without contact on the working flank.
+    """
+
+    time: Array
+    pinion_angle: Array
+    mesh_force: Array
+    transmission_error: Array
+    pinion_speed: Array
+    pinion_acceleration: Array
+    dynamic_factor: Array
+    wheel_torque: float
+    multipliers: NDArray[Any]
+    periodic: bool
+    contact_loss: float
+
+    @property
+    def largest_dynamic_factor(self) -> float:
+        """Largest Kw of the motion."""
+        return float(self.dynamic_factor.max())

@@ -1,0 +1,147 @@
+"""What the engagement stage hands on: everything over the pinion angle."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from numpy.typing import NDArray
+
+from gearfem.foundation import Array, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Contacts(Record):
+    """Where each tooth pair would touch, at each pinion angle, if it touched alone and rigid.
+
+    The fixed frame has its origin O1 at the pinion's axis and x towards the wheel's; the pinion turns from
+    x to y. At angle 0 pair 0 touches at the pitch point. Pair k is pinion tooth k with wheel tooth k, and
+    comes one pitch after pair k - 1. All arrays are (n angles, p pairs) unless stated.
+
+    Parameters
+    ----------
+    pinion_angle : ndarray, shape (n,)
+        Angles [rad].
+    pairs : tuple of int, length p
+        Numbers of the pairs.
+    reach : ndarray of bool
+        Whether the pair has a contact point on flank or tip round at all.
+    gap : ndarray
+        Lag of the wheel at which the pair touches, times its base radius: distance to the perfect involutes
+        along the line of action [m]. 0 on the path of contact; where `reach` is false it is a bound that no load closes.
+    u1, u2 : ndarray
+        Contact points as parameters of the two outlines.
+    point : ndarray, shape (n, p, 2)
+        Contact points in the fixed frame [m].
+    pressure_angle : ndarray
+        Angle between the common normal and the normal to the line of centres [rad].
+    arm1, arm2 : ndarray
+        Arms l1, l2 of the normal force about the two axes [m].
+    friction_arm1, friction_arm2 : ndarray
+        Distances h1, h2 of the contact point from the feet of the two arms, along the normal [m]. A friction
+        force F_t = f P sign(v_sl) takes F_t h1 from the pinion and gives F_t h2 to the wheel.
+    equivalent_radius : ndarray
+        Equivalent radius of curvature [m].
+    rolling_velocity1, rolling_velocity2, sliding_velocity : ndarray
+        Velocity of the contact point along each flank and their difference v1 - v2, per unit angular
+        velocity of the pinion [m/rad]; the sliding is negative in approach.
+    """
+
+    pinion_angle: Array
+    pairs: tuple[int, ...]
+    reach: NDArray[Any]
+    gap: Array
+    u1: Array
+    u2: Array
+    point: Array
+    pressure_angle: Array
+    arm1: Array
+    arm2: Array
+    friction_arm1: Array
+    friction_arm2: Array
+    equivalent_radius: Array
+    rolling_velocity1: Array
+    rolling_velocity2: Array
+    sliding_velocity: Array
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Engagement(Record):
+    """The loaded engagement over the pinion angle, at one torque.
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Geometry of all pairs at the same angles.
+    pinion_torque : float
+        Torque on the pinion [N m].
+    force : ndarray, shape (n, p)
+        Normal force on each pair over the whole face width [N]; 0 where it does not touch.
+    transmission_error : ndarray, shape (n,)
+        Lag of the wheel behind perfect rigid gears, along the line of action [m].
+    mesh_stiffness, secant_stiffness : ndarray, shape (n,)
+        Slope and secant of the nominal normal force T1/r_b1 over the transmission error [N/m].
+    gear_ratio, gear_ratio_unloaded, gear_ratio_force : ndarray, shape (n,)
+        dphi1/dphi2 under the torque, of the rigid transmission function, and sum P l2 / sum P l1.
+    """
+
+    contacts: Contacts
+    pinion_torque: float
+    force: Array
+    transmission_error: Array
+    mesh_stiffness: Array
+    secant_stiffness: Array
+    gear_ratio: Array
+    gear_ratio_unloaded: Array
+    gear_ratio_force: Array
+
+    @property
+    def load_share(self) -> Array:
+        """Share of each pair in the sum of the normal forces, shape (n, p)."""
+        total: Array = self.force.sum(axis=1, keepdims=True)
+        return self.force / total
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class MeshForce(Record):
+    """Quasi-static forces of the working flanks over pinion angle and transmission error, for the dynamics.
+
+    The transmission error is e = r_b1 psi1 - r_b2 psi2 (wheel's lag along the line of action); tables are
+    zero where nothing touches and linear beyond their last column.
+
+    Parameters
+    ----------
+    pinion_angle : ndarray, shape (n,)
+        Equally spaced angles over one period, the end excluded [rad].
+    period : float
+        Angle after which everything repeats [rad].
+    deflection : ndarray, shape (m,)
+        Transmission errors, increasing, from no contact to well above the operating load [m].
+    normal_force : ndarray, shape (n, m)
+        Sum of the normal forces [N].
+    pinion_moment, wheel_moment : ndarray, shape (n, m)
+        Sums of P l1 and P l2 [N m].
+    pinion_friction, wheel_friction : ndarray, shape (n, m)
+        Sums of P sign(v_sl) h1 and P sign(v_sl) h2: moments per unit coefficient of friction [N m].
+    unloaded_error : ndarray, shape (n,)
+        Transmission error of the rigid gears (0 for unworn teeth) [m].
+    sliding_reversals : ndarray, shape (k,)
+        Angles at which the sliding of a pair changes its sign, where the friction tables jump [rad].
+    base_radius1, base_radius2, normal_backlash, mean_stiffness : float
+        Base radii and backlash [m]; mean slope of the mesh at the operating torque [N/m].
+    """
+
+    pinion_angle: Array
+    period: float
+    deflection: Array
+    normal_force: Array
+    pinion_moment: Array
+    wheel_moment: Array
+    pinion_friction: Array
+    wheel_friction: Array
+    unloaded_error: Array
+    sliding_reversals: Array
+    base_radius1: float
+    base_radius2: float
+    normal_backlash: float
+    mean_stiffness: float

@@ -1,0 +1,43 @@
+"""The two ways in which gearfem fails: the input cannot be used, or a solve did not succeed."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """Input that cannot be used, said in one line: where, what was found, what is allowed.
+
+    Parameters
+    ----------
+    where : str
+        Key, row or argument, in the words of the user ("pinion.bore_radius_mm", "row 7, column x_mm").
+    found : object
+        What was found there.
+    allowed : str
+        What is allowed, with its unit, and the remedy where one is known.
+    file : str, optional
+        File that holds the key; a reader that knows it adds it by `in_file`.
+    """
+
+    def __init__(self, where: str, found: object, allowed: str, file: str | None = None) -> None:
+        self.where, self.found, self.allowed, self.file = where, found, allowed, file
+        place = f"{file}: {where}" if file else where
+        super().__init__(f"{place}: found {found}; allowed: {allowed}")
+
+    def in_file(self, file: str) -> InputError:
+        """Return the same error with the name of the file in front.
+
+        Parameters
+        ----------
+        file : str
+            Path as the user gave it.
+
+        Returns
+        -------
+        InputError
+            A new error; one that names a file already keeps it.
+        """
+        return self if self.file else InputError(self.where, self.found, self.allowed, file)
+
+
+class SolveError(RuntimeError):
+    """A computation that did not reach its tolerance; the message says which, and what to try."""

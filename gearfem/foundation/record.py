@@ -1,0 +1,75 @@
+"""Frozen records with locked arrays, and a digest of their content."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Record:
+    """Base of all records: arrays are locked on construction, so that sharing and caching are safe.
+
+    Subclasses are dataclasses with ``frozen=True, eq=False, kw_only=True``; two records are compared
+    by `digest`. NaN and infinity are refused: a missing number is a missing row, not a NaN.
+    """
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                if value.dtype.kind == "f" and not np.isfinite(value).all():
+                    raise FloatingPointError(f"{type(self).__name__}.{field.name} holds a value that is not finite")
+                if value.flags.writeable:
+                    value = value.copy()
+                    value.flags.writeable = False
+                    object.__setattr__(self, field.name, value)
+
+
+def digest(value: Any) -> str:
+    """Return the SHA-256 of the content of records, arrays, numbers, text and containers of them.
+
+    Parameters
+    ----------
+    value : object
+        A `Record`, array, number, string, None, or a tuple, list or dict of them.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits; equal for equal content, whatever object holds it.
+
+    Raises
+    ------
+    TypeError
+        If a part is of another type, since its content is then unknown.
+    """
+    sha = hashlib.sha256()
+    _feed(sha, value)
+    return sha.hexdigest()
+
+
+def _feed(sha: Any, value: Any) -> None:
+    sha.update(type(value).__name__.encode() + b":")
+    if isinstance(value, Record):
+        for field in dataclasses.fields(value):
+            sha.update(field.name.encode())
+            _feed(sha, getattr(value, field.name))
+    elif isinstance(value, np.ndarray):
+        sha.update(repr((value.dtype.str, value.shape)).encode() + np.ascontiguousarray(value).tobytes())
+    elif isinstance(value, (list, tuple)):
+        sha.update(str(len(value)).encode())
+        for item in value:
+            _feed(sha, item)
+    elif isinstance(value, dict):
+        _feed(sha, sorted(value.items()))
+    elif value is None or isinstance(value, (bool, int, float, str, np.number)):
+        sha.update(repr(value).encode())
+    else:
+        raise TypeError(f"no digest for {type(value).__name__}")
