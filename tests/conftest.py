@@ -1,0 +1,82 @@
+"""Gear pairs that many tests share, built in SI without any file."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from gearfem.definition.setup import Gear, GearPair, Material, Operation, Rack, Setup
+
+
+def make_gear(teeth: int, module: float, tip_radius: float, profile_shift: float = 0.0, **changes: object) -> Gear:
+    """Return a steel gear of the standard rack; radii in metres."""
+    rack = changes.pop("rack", Rack())
+    reference = module * teeth / 2.0
+    root = reference + profile_shift * module - rack.dedendum * module
+    values: dict[str, object] = {
+        "teeth": teeth,
+        "module": module,
+        "pressure_angle": math.radians(20.0),
+        "profile_shift": profile_shift,
+        "flank_thinning": 0.0,
+        "root_radius": root,
+        "tip_radius": tip_radius,
+        "tip_edge_radius": 0.02 * module,
+        "bore_radius": root / 2.0,
+        "rack": rack,
+        "material": Material(),
+    }
+    return Gear(**{**values, **changes})
+
+
+@pytest.fixture(scope="session")
+def gear_factory():
+    """The function that makes gears, for tests that vary them."""
+    return make_gear
+
+
+@pytest.fixture(scope="session")
+def coal_combine() -> Setup:
+    """Table 1 of Wojnarowski & Onishchenko (2003)."""
+    thin = 0.055e-3
+    pair = GearPair(
+        pinion=make_gear(16, 8e-3, 76.17e-3, 0.8, flank_thinning=thin, bore_radius=30e-3),
+        wheel=make_gear(51, 8e-3, 219.17e-3, 1.175, flank_thinning=thin, bore_radius=60e-3),
+        centre_distance=281.57e-3,
+        face_width=75e-3,
+        normal_backlash=0.22e-3,
+    )
+    operation = Operation(
+        pinion_torque=1605.0,
+        wheel_torque=4911.0,
+        efficiency=0.96,
+        pinion_speed=53.0,
+        pinion_inertia=10.16,
+        wheel_inertia=6.72,
+        friction_coefficient=0.10,
+        damping_ratio=0.18,
+    )
+    return Setup(name="coal combine", pair=pair, operation=operation)
+
+
+@pytest.fixture(scope="session")
+def small_pair() -> Setup:
+    """An unshifted 20/30 pair of module 2 mm whose contact ratio is 1.6."""
+    pair = GearPair(
+        pinion=make_gear(20, 2e-3, 22e-3),
+        wheel=make_gear(30, 2e-3, 32e-3),
+        centre_distance=50e-3,
+        face_width=20e-3,
+        normal_backlash=0.0,
+    )
+    operation = Operation(
+        pinion_torque=50.0,
+        wheel_torque=75.0,
+        efficiency=1.0,
+        pinion_speed=100.0,
+        pinion_inertia=pair.pinion.disc_inertia(20e-3),
+        wheel_inertia=pair.wheel.disc_inertia(20e-3),
+        friction_coefficient=0.0,
+        damping_ratio=0.06,
+    )
+    return Setup(name="20/30", pair=pair, operation=operation)
