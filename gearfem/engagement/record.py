@@ -81,6 +81,8 @@ class Engagement(Record):
         Lag of the wheel behind perfect rigid gears, along the line of action [m].
     mesh_stiffness, secant_stiffness : ndarray, shape (n,)
         Slope and secant of the nominal normal force T1/r_b1 over the transmission error [N/m].
+    single_stiffness : ndarray, shape (n, p)
+        Secant stiffness of each pair, were it to carry the whole load alone [N/m]; 0 off the path of contact.
     gear_ratio, gear_ratio_unloaded, gear_ratio_force : ndarray, shape (n,)
         dphi1/dphi2 under the torque, of the rigid transmission function, and sum P l2 / sum P l1.
     """
@@ -91,6 +93,7 @@ class Engagement(Record):
     transmission_error: Array
     mesh_stiffness: Array
     secant_stiffness: Array
+    single_stiffness: Array
     gear_ratio: Array
     gear_ratio_unloaded: Array
     gear_ratio_force: Array

@@ -159,13 +159,8 @@ class Outline(Record):
         return math.hypot(self.gear.base_radius, self.flank_end)
 
     @cached_property
-    def _round_centre(self) -> Array:
-        """Centre of the tip round: on the circle r_a - rho and on the involute moved in by rho."""
-        radius = self.gear.tip_radius - self.gear.tip_edge_radius
-        return radius * np.array([math.cos(self._round_angle), math.sin(self._round_angle)])
-
-    @cached_property
     def _round_angle(self) -> float:
+        """Polar angle of the centre of the tip round: on the circle r_a - rho and on the involute moved in by rho."""
         gear = self.gear
         radius = gear.tip_radius - gear.tip_edge_radius
         return gear.half_angle(radius) - gear.tip_edge_radius / gear.base_radius
@@ -173,10 +168,10 @@ class Outline(Record):
     @cached_property
     def _round_start(self) -> Array:
         """Direction of the normal at the junction of flank and tip round."""
-        return self._flank_normal_angle(self.flank_end)
+        return self.normal_direction(self.flank_end)
 
-    def _flank_normal_angle(self, roll: ArrayLike) -> Array:
-        """Direction of the outward normal: tangent to the base circle, at the polar angle of its foot + pi/2."""
+    def normal_direction(self, roll: ArrayLike) -> Array:
+        """Return the polar angle [rad] of the outward normal at roll lengths [m]; it touches the base circle."""
         return self.gear.base_half_angle - np.asarray(roll, float) / self.gear.base_radius + np.pi / 2.0
 
     # ---- the curve ------------------------------------------------------------------------------
@@ -184,6 +179,15 @@ class Outline(Record):
     def parameter(self, roll: ArrayLike) -> Array:
         """Return u of roll lengths [m] on the flank."""
         return FLANK + (np.asarray(roll, float) - self.flank_start) / (self.flank_end - self.flank_start)
+
+    def round_parameter(self, direction: ArrayLike) -> Array:
+        """Return u of the tip round where its normal has a polar angle [rad]; outside [3, 4] it is not on the round."""
+        return ROUND + (np.asarray(direction, float) - self._round_start) / (self._round_angle - self._round_start)
+
+    @property
+    def round_centre(self) -> tuple[float, float]:
+        """Polar angle [rad] and radius [m] of the centre of the tip round."""
+        return self._round_angle, self.gear.tip_radius - self.gear.tip_edge_radius
 
     def roll_length(self, u: ArrayLike) -> Array:
         """Return the roll lengths [m] of parameters u on the flank."""
@@ -260,11 +264,13 @@ class Outline(Record):
         roll = self.roll_length(part + FLANK)
         ratio = roll / gear.base_radius
         polar = gear.base_half_angle - (ratio - np.arctan(ratio))
-        return _polar(np.hypot(gear.base_radius, roll), polar), self._flank_normal_angle(roll)
+        return _polar(np.hypot(gear.base_radius, roll), polar), self.normal_direction(roll)
 
     def _tip_round(self, part: Array) -> tuple[Array, Array]:
         direction = self._round_start + part * (self._round_angle - self._round_start)
-        return self._round_centre + _polar(np.full_like(direction, self.gear.tip_edge_radius), direction), direction
+        angle, radius = self.round_centre
+        centre = radius * np.array([math.cos(angle), math.sin(angle)])
+        return centre + _polar(np.full_like(direction, self.gear.tip_edge_radius), direction), direction
 
     def _tip_arc(self, part: Array) -> tuple[Array, Array]:
         polar = (1.0 - part) * self._round_angle

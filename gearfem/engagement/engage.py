@@ -1,0 +1,190 @@
+"""The engagement stage: the loaded pair over the pinion angle, and its forces for the dynamics."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from gearfem.compliance.record import Compliance
+from gearfem.engagement.contacts import find_contacts
+from gearfem.engagement.record import Contacts, Engagement, MeshForce
+from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
+from gearfem.engagement.teeth import read_compliance
+from gearfem.flank import Flanks
+from gearfem.foundation import Array, Record
+from gearfem.placement import Placement
+
+# A ten-thousandth of a pitch: the rounding of a difference over it stays below 1e-7 of the ratio.
+DIFFERENCE = 1e-4
+LARGEST_OVERLOAD = 4.0
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Mesh(Record):
+    """Everything that engagement needs of earlier stages.
+
+    Parameters
+    ----------
+    flanks, placement, compliance : records
+        Of the stages of these names.
+    law : LineLaw
+        Contact law of the two materials.
+    """
+
+    flanks: Flanks
+    placement: Placement
+    compliance: Compliance
+    law: LineLaw
+
+    @property
+    def pairs(self) -> tuple[int, ...]:
+        """Pairs that may touch within one pitch either side of angle 0, corner contact included."""
+        reach = math.ceil(self.placement.pair.contact_ratio) + 1
+        return tuple(range(-reach, reach + 1))
+
+    def contacts(self, pinion_angle: Array) -> Contacts:
+        """Return the contacts of all pairs in reach at angles [rad], shape (n,)."""
+        return find_contacts(self.flanks, self.placement, pinion_angle, self.pairs)
+
+    def system(self, contacts: Contacts) -> PairSystem:
+        """Return the pairs at these contacts, ready to be loaded."""
+        pair = self.placement.pair
+        read = read_compliance(self.compliance, contacts)
+        return PairSystem(
+            linear=read.linear,
+            lever=contacts.arm2 / pair.wheel.base_radius,
+            arm=contacts.arm1 * pair.face_width,
+            gap=contacts.gap,
+            radius=contacts.equivalent_radius,
+            depth1=read.depth1,
+            depth2=read.depth2,
+        )
+
+
+def standard_angles(placement: Placement, steps: int = 400) -> Array:
+    """Return pinion angles [rad] from one pitch before to one pitch after angle 0, steps + 1 of them."""
+    return np.linspace(-1.0, 1.0, steps + 1) * placement.pair.pinion.pitch_angle
+
+
+def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
+    """Return the loaded engagement at pinion angles, under one torque.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Flanks, placement, compliance and contact law.
+    pinion_angle : ndarray, shape (n,)
+        Angles [rad].
+    torque : float
+        Torque on the pinion [N m], positive.
+
+    Returns
+    -------
+    Engagement
+
+    Raises
+    ------
+    SolveError
+        If any angle does not converge.
+
+    Notes
+    -----
+    Ratios are dphi1/dphi2: unloaded by the arms of the pair that touches first (a rigid contact turns the
+    wheel by l1/l2), loaded by the central difference of the transmission error over 2e-4 pitches, which
+    replaces a kink by its mean over that width. Physics: Wojnarowski & Onishchenko (2003), sections 2 and 3.
+    """
+    pair = mesh.placement.pair
+    small = DIFFERENCE * pair.pinion.pitch_angle
+    shared = {shift: _share(mesh, pinion_angle + shift * small, torque) for shift in (-1, 0, 1)}
+    contacts, sharing = shared[0]
+    change = (shared[1][1].transmission_error - shared[-1][1].transmission_error) / (2.0 * small)
+    force = sharing.force * pair.face_width
+    rows = np.arange(len(pinion_angle))
+    first = np.argmin(contacts.gap, axis=1)
+    nominal = torque / pair.pinion.base_radius
+    return Engagement(
+        contacts=contacts,
+        pinion_torque=torque,
+        force=force,
+        transmission_error=sharing.transmission_error,
+        mesh_stiffness=1.0 / (sharing.slope * pair.pinion.base_radius),
+        secant_stiffness=nominal / sharing.transmission_error,
+        single_stiffness=_single_stiffness(mesh, contacts, torque),
+        gear_ratio=1.0 / (1.0 / pair.ratio - change / pair.wheel.base_radius),
+        gear_ratio_unloaded=contacts.arm2[rows, first] / contacts.arm1[rows, first],
+        gear_ratio_force=(force * contacts.arm2).sum(axis=1) / (force * contacts.arm1).sum(axis=1),
+    )
+
+
+def _share(mesh: Mesh, angle: Array, torque: float) -> tuple[Contacts, Sharing]:
+    contacts = mesh.contacts(angle)
+    return contacts, share_torque(mesh.system(contacts), mesh.law, torque)
+
+
+def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
+    """Return the secant stiffness of each pair alone under the whole load on the path of contact, 0 off it."""
+    system = mesh.system(contacts)
+    force = torque / system.arm
+    own = np.einsum("ajj->aj", system.linear) * force
+    approach = own + mesh.law.approach(force, system.radius, system.depth1, system.depth2)
+    on_path = contacts.reach & (contacts.gap == 0.0)
+    return np.where(on_path, force * mesh.placement.pair.face_width / approach, 0.0)
+
+
+def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) -> MeshForce:
+    """Return the forces of the engagement over pinion angle and transmission error.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Flanks, placement, compliance and contact law.
+    torque : float
+        Operating torque [N m]; the table reaches four times its largest transmission error.
+    steps, levels : int
+        Angles over one pitch and levels of the transmission error.
+
+    Returns
+    -------
+    MeshForce
+
+    Notes
+    -----
+    The angles lie at half steps, so that angle 0, where the sliding of pair 0 reverses, lies between two of
+    them. The levels grow with the square, since the force rises with a horizontal tangent.
+    """
+    pair = mesh.placement.pair
+    pitch = pair.pinion.pitch_angle
+    angle = (np.arange(steps) + 0.5) / steps * pitch
+    contacts = mesh.contacts(angle)
+    system = mesh.system(contacts)
+    operating = share_torque(system, mesh.law, torque)
+    top = LARGEST_OVERLOAD * operating.transmission_error.max()
+    deflection = top * np.linspace(0.0, 1.0, levels) ** 2
+    force = np.zeros((steps, levels, len(contacts.pairs)))
+    last = None
+    for level in range(1, levels):
+        last = share_error(system, mesh.law, np.full(steps, deflection[level]), last).force
+        force[:, level] = last * pair.face_width
+    sign = np.sign(contacts.sliding_velocity)
+
+    def summed(weight: Array) -> Array:
+        return np.einsum("alj,aj->al", force, weight)
+
+    return MeshForce(
+        pinion_angle=angle,
+        period=pitch,
+        deflection=deflection,
+        normal_force=force.sum(axis=-1),
+        pinion_moment=summed(contacts.arm1),
+        wheel_moment=summed(contacts.arm2),
+        pinion_friction=summed(sign * contacts.friction_arm1),
+        wheel_friction=summed(sign * contacts.friction_arm2),
+        unloaded_error=contacts.gap.min(axis=1),
+        sliding_reversals=np.array([0.0]),
+        base_radius1=pair.pinion.base_radius,
+        base_radius2=pair.wheel.base_radius,
+        normal_backlash=pair.normal_backlash,
+        mean_stiffness=float(np.mean(1.0 / (operating.slope * pair.pinion.base_radius))),
+    )
