@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearfem.engagement.record import Contacts
 from gearfem.flank import Flanks, Outline
-from gearfem.flank.outline import FLANK, ROUND, TIP
+from gearfem.flank.outline import LOADED_END, ROUND
 from gearfem.foundation import Array, SolveError
 from gearfem.placement import Placement
 
@@ -17,7 +18,7 @@ from gearfem.placement import Placement
 class _Touch(NamedTuple):
     """One kind of contact at many angles; all arrays have the shape of the angles."""
 
-    reach: Array
+    reach: NDArray[np.bool_]
     wheel_angle: Array
     u1: Array
     u2: Array
@@ -74,7 +75,8 @@ def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pai
     return _contacts(placement, np.asarray(pinion_angle, float), pairs, chosen, np.min(lags, axis=0))
 
 
-def _choose(first: Array, options: list[Array]) -> Array:
+def _choose(first: NDArray[np.intp], options: list[Any]) -> Any:
+    """Take from each position the option of the number `first` holds there."""
     stacked = np.stack(options)
     index = first if stacked.ndim == first.ndim + 1 else np.repeat(first[..., None], stacked.shape[-1], axis=-1)
     return np.take_along_axis(stacked, index[None], axis=0)[0]
@@ -149,7 +151,7 @@ def _pinion_tip(flanks: Flanks, placement: Placement, angle: Array) -> _Touch:
     turn = -roll_rate / wheel.gear.base_radius - ratio - 1.0
     end = placement.pair.recess_length / pinion.gear.base_radius
     near = (angle > end - 0.1 * pinion.gear.pitch_angle) & (angle < end + pinion.gear.pitch_angle)
-    reach = near & _within(wheel, roll2) & (u1 >= ROUND) & (u1 <= TIP)
+    reach = near & _within(wheel, roll2) & (u1 >= ROUND) & (u1 <= LOADED_END)
     return _Touch(
         reach=reach,
         wheel_angle=-axis2 - placement.wheel_start,
@@ -197,7 +199,7 @@ def _wheel_tip(flanks: Flanks, placement: Placement, angle: Array) -> _Touch:
         raise SolveError("the contact of the wheel's tip round with the pinion's flank did not converge")
     polar2 = axis2 + lead
     u2 = wheel.round_parameter(direction - axis2)
-    reach = inside & _within(pinion, roll1) & (u2 >= ROUND) & (u2 <= TIP)
+    reach = inside & _within(pinion, roll1) & (u2 >= ROUND) & (u2 <= LOADED_END)
     roll_rate = -ratio * distance * radius * np.sin(polar2) / (_bounded(pinion, roll1) + edge)
     turn = -roll_rate / pinion.gear.base_radius + 1.0 + ratio
     return _Touch(
@@ -217,7 +219,7 @@ def _unit(direction: Array) -> Array:
     return np.stack([np.cos(direction), np.sin(direction)], axis=-1)
 
 
-def _within(outline: Outline, roll: Array) -> Array:
+def _within(outline: Outline, roll: Array) -> NDArray[np.bool_]:
     return (roll >= outline.flank_start) & (roll <= outline.flank_end)
 
 

@@ -170,7 +170,8 @@ def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) ->
     sign = np.sign(contacts.sliding_velocity)
 
     def summed(weight: Array) -> Array:
-        return np.einsum("alj,aj->al", force, weight)
+        total: Array = np.einsum("alj,aj->al", force, weight)
+        return total
 
     return MeshForce(
         pinion_angle=angle,
@@ -185,6 +186,6 @@ def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) ->
         sliding_reversals=np.array([0.0]),
         base_radius1=pair.pinion.base_radius,
         base_radius2=pair.wheel.base_radius,
-        normal_backlash=pair.normal_backlash,
+        normal_backlash=pair.working_backlash,
         mean_stiffness=float(np.mean(1.0 / (operating.slope * pair.pinion.base_radius))),
     )

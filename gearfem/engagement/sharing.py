@@ -51,7 +51,8 @@ class PairSystem(Record):
 
     def approach(self, law: LineLaw, force: Array) -> Array:
         """Return the approach of each pair [m] under line loads [N/m], shape (n, p)."""
-        return np.einsum("ajk,ak->aj", self.linear, force) + law.approach(force, self.radius, self.depth1, self.depth2)
+        linear: Array = np.einsum("ajk,ak->aj", self.linear, force)
+        return linear + law.approach(force, self.radius, self.depth1, self.depth2)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -150,7 +151,8 @@ def share_error(system: PairSystem, law: LineLaw, error: Array, start: Array | N
         if np.abs(residual).max() <= TOLERANCE * max(force.max(), 1.0):
             return Sharing(force=force, transmission_error=error, slope=np.zeros_like(error))
         matrix = eye + slope[..., None] * _coupling(system)
-        force = np.maximum(force + np.linalg.solve(matrix, residual[..., None])[..., 0], 0.0)
+        step: Array = np.linalg.solve(matrix, residual[..., None])[..., 0]
+        force = np.maximum(force + step, 0.0)
     raise SolveError("load sharing at a given transmission error did not converge")
 
 

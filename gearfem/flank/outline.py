@@ -15,6 +15,8 @@ from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import MM
 
 ROOT, FILLET, FLANK, ROUND, TIP, END = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
+# Loads act from FLANK to here: past the middle of its tip round a tooth has left its mate by a tenth of the module.
+LOADED_END = 3.5
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
