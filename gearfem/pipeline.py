@@ -5,14 +5,34 @@ from __future__ import annotations
 import dataclasses
 from typing import Literal
 
+import numpy as np
+
+from gearfem.compliance import Bore, Castigliano, FiniteElements, PlaneStrain, PlaneStress, Root, load_positions, make_compliance
 from gearfem.compliance.record import Compliance, ComplianceCurve
+from gearfem.contact import HertzLine
 from gearfem.definition.setup import Member, Setup
+from gearfem.dynamics import classical_motion, elastic_motion, make_drive, rigid_motion, unloaded_transport, wheel_torque_sentence
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
+from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
-from gearfem.flank import Flanks
-from gearfem.foundation import Record
+from gearfem.flank import Flanks, make_flanks
+from gearfem.foundation import Array, Record
+from gearfem.foundation.progress import Progress, quiet
+from gearfem.placement import make_placement
 
 Stage = Literal["flank", "compliance", "engagement", "dynamics"]
+STAGES: tuple[Stage, ...] = ("flank", "compliance", "engagement", "dynamics")
+MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
+# The transition from one pair to two takes a twentieth of a pitch; forty steps across it settle the rigid model.
+RIGID_STEPS = 800
+
+METHOD_ASSUMPTIONS = (
+    "Plane strain across the whole face width; the load is uniform along it.",
+    "Each gear is a disc with a solid web, held rigidly on its bore; shafts and bearings do not yield.",
+    "The contact is Hertz's line contact; below it, each tooth yields as a half space down to its centreline.",
+    "The rigid model takes the gear ratio under the operation torque, the elastic model the unloaded one.",
+    "All teeth are equal and perfectly spaced.",
+)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -23,8 +43,8 @@ class Results(Record):
     ----------
     setup : Setup
         What it was computed from.
-    flanks, compliance, engagement, mesh_force : records
-        Of the stages of these names.
+    flanks, compliance, mesh, engagement, mesh_force : records
+        Of the stages of these names; `mesh` is what the engagement was computed from, for further torques.
     comparison : tuple of (member, ComplianceCurve)
         The same compliance by other methods and supports, where asked for.
     rigid, elastic, classical : RigidMotion, ElasticMotion, ElasticMotion
@@ -36,6 +56,7 @@ class Results(Record):
     setup: Setup
     flanks: Flanks
     compliance: Compliance | None = None
+    mesh: Mesh | None = None
     comparison: tuple[tuple[Member, ComplianceCurve], ...] = ()
     engagement: Engagement | None = None
     mesh_force: MeshForce | None = None
@@ -43,3 +64,149 @@ class Results(Record):
     elastic: ElasticMotion | None = None
     classical: ElasticMotion | None = None
     assumptions: tuple[str, ...] = ()
+
+
+def run(
+    setup: Setup,
+    until: Stage = "dynamics",
+    *,
+    torque: float | None = None,
+    angles: Array | None = None,
+    comparison: bool = False,
+    progress: Progress = quiet,
+) -> Results:
+    """Run the chain from a gear pair to its motions, up to a stage.
+
+    Parameters
+    ----------
+    setup : Setup
+        Gear pair, load and drive.
+    until : {"flank", "compliance", "engagement", "dynamics"}
+        Last stage to run.
+    torque : float, optional
+        Torque on the pinion [N m]; by default the operation's.
+    angles : ndarray, shape (n,), optional
+        Pinion angles of the engagement [rad]; by default 401 from -1 to +1 pitch around the pitch point.
+    comparison : bool
+        Whether compliance is computed by the other methods and supports too.
+    progress : Progress
+        Told how far the work is.
+
+    Returns
+    -------
+    Results
+        All records made on the way.
+
+    Raises
+    ------
+    InputError
+        If the gears cannot mesh.
+    SolveError
+        If a computation does not reach its tolerance.
+    ValueError
+        If `until` is not a stage.
+
+    Examples
+    --------
+    >>> from gearfem.model import load_model
+    >>> results = run(load_model("studies/coal_combine/model.toml"), until="flank")
+    >>> results.flanks.pinion.undercut
+    False
+    """
+    if until not in STAGES:
+        raise ValueError(f"until: found {until!r}; allowed: {', '.join(STAGES)}")
+    last = STAGES.index(until)
+    progress("flanks and compliance", 0, 2)
+    results = Results(setup=setup, flanks=make_flanks(setup), assumptions=setup.assumptions)
+    if last >= STAGES.index("compliance"):
+        results = _with_compliance(results, comparison, progress)
+    if last >= STAGES.index("engagement"):
+        results = _with_engagement(results, torque or setup.operation.pinion_torque, angles)
+    if last >= STAGES.index("dynamics"):
+        results = _with_dynamics(results, progress)
+    return results
+
+
+def compare_methods(flanks: Flanks, progress: Progress = quiet) -> tuple[tuple[Member, ComplianceCurve], ...]:
+    """Return the compliance of both gears by every plane state and support, and by Castigliano's theorem.
+
+    Parameters
+    ----------
+    flanks : Flanks
+        Outlines of both gears.
+    progress : Progress
+        Told how far the work is.
+
+    Returns
+    -------
+    tuple of (member, ComplianceCurve)
+        Plane strain on the whole gear is left out: it is the compliance stage itself.
+    """
+    methods = (
+        FiniteElements(plane=PlaneStress(), support=Bore()),
+        FiniteElements(plane=PlaneStrain(), support=Root()),
+        FiniteElements(plane=PlaneStress(), support=Root()),
+        Castigliano(),
+    )
+    jobs = [(member, method) for member in MEMBERS for method in methods]
+    curves: list[tuple[Member, ComplianceCurve]] = []
+    for number, (member, method) in enumerate(jobs):
+        progress("compliance by other methods", number, len(jobs))
+        outline = flanks.pinion if member == "pinion" else flanks.wheel
+        positions = load_positions(outline)
+        curves.append((member, method.curve(outline, positions[positions <= 3.0])))
+    progress("compliance by other methods", len(jobs), len(jobs))
+    return tuple(curves)
+
+
+def _with_compliance(results: Results, comparison: bool, progress: Progress) -> Results:
+    compliance = make_compliance(results.flanks)
+    progress("flanks and compliance", 2, 2)
+    pair = results.setup.pair
+    return dataclasses.replace(
+        results,
+        compliance=compliance,
+        mesh=Mesh(
+            flanks=results.flanks,
+            placement=make_placement(results.setup),
+            compliance=compliance,
+            law=HertzLine(pinion=pair.pinion.material, wheel=pair.wheel.material),
+        ),
+        comparison=compare_methods(results.flanks, progress) if comparison else (),
+        assumptions=results.assumptions + METHOD_ASSUMPTIONS,
+    )
+
+
+def _with_engagement(results: Results, torque: float, angles: Array | None) -> Results:
+    assert results.mesh is not None
+    positions = standard_angles(results.mesh.placement) if angles is None else np.asarray(angles, float)
+    return dataclasses.replace(results, engagement=engage(results.mesh, positions, torque))
+
+
+def _with_dynamics(results: Results, progress: Progress) -> Results:
+    assert results.mesh is not None
+    setup = results.setup
+    drive = make_drive(setup)
+    pitch = setup.pair.pinion.pitch_angle
+    torque = setup.operation.pinion_torque
+    forces = mesh_force(results.mesh, torque)
+    positions = np.arange(RIGID_STEPS) / RIGID_STEPS * pitch
+    rigid = rigid_motion(positions, engage(results.mesh, positions, torque).gear_ratio, pitch, drive)
+    transport = unloaded_transport(forces, drive)
+    elastic = elastic_motion(forces, drive, transport, progress=progress)
+    discs = tuple(gear.disc_inertia(setup.pair.face_width) for gear in (setup.pair.pinion, setup.pair.wheel))
+    classical = classical_motion(forces, drive, *discs, progress=progress)
+    return dataclasses.replace(
+        results,
+        mesh_force=forces,
+        rigid=rigid,
+        elastic=elastic,
+        classical=classical,
+        assumptions=(
+            *results.assumptions,
+            wheel_torque_sentence("rigid", drive, rigid.wheel_torque),
+            wheel_torque_sentence("elastic", drive, elastic.wheel_torque),
+            wheel_torque_sentence("classical", drive, classical.wheel_torque),
+            f"Classical model: inertias of the gears alone, solid discs of {discs[0]:.4g} and {discs[1]:.4g} kg m2.",
+        ),
+    )

@@ -70,7 +70,8 @@ class Outline(Record):
         if gear.half_angle(gear.tip_radius) <= 0.0:
             allowed = "a tip circle on which the tooth still has a thickness: the tooth is pointed below it"
             raise InputError("tip_radius_mm", f"{gear.tip_radius / MM:.4f} mm", allowed)
-        if self.flank_end <= self.flank_start or self._round_angle <= 0.0:
+        below = gear.tip_radius - gear.tip_edge_radius <= gear.base_radius
+        if below or self.flank_end <= self.flank_start or self._round_angle <= 0.0:
             raise InputError("tip_edge_radius_mm", f"{gear.tip_edge_radius / MM:g} mm", "a radius that leaves a flank and a tip land")
 
     # ---- rack tip round -------------------------------------------------------------------------
