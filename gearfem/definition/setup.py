@@ -199,6 +199,15 @@ class GearPair(Record):
         """Centre distance [m] at which the unthinned gears mesh without play."""
         return zero_backlash_centre_distance(self.pinion, self.wheel)
 
+    @property
+    def working_backlash(self) -> float:
+        """Play along the line of action at the working centre distance [m]: that of the thinning and of the distance.
+
+        Base pitch less both tooth thicknesses on their involutes, p_b - 2 sum r_b (half angle - inv(alpha_w)); ISO 21771.
+        """
+        spread = involute(self.working_pressure_angle)
+        return self.base_pitch - 2.0 * sum(gear.base_radius * (gear.base_half_angle - spread) for gear in (self.pinion, self.wheel))
+
 
 def zero_backlash_centre_distance(pinion: Gear, wheel: Gear) -> float:
     """Return the centre distance [m] at which two unthinned gears mesh without play.

@@ -1,0 +1,119 @@
+"""The tables of a model file, in the units of the file: names, types, ranges and defaults that need no geometry."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+# The upper bound only keeps products of given numbers finite; no gear comes near it in any of the units used.
+Positive = Annotated[float, Field(gt=0.0, lt=1e9)]
+NotNegative = Annotated[float, Field(ge=0.0, lt=1e9)]
+Teeth = Annotated[int, Field(ge=5, le=1000)]
+Shift = Annotated[float, Field(ge=-3.0, le=3.0)]
+Title = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
+
+REASONS = {
+    "teeth": "fewer than 5 teeth leave no involute flank that meshes on, and above 1000 a gear is next to a rack",
+    "pressure_angle_deg": "racks outside it leave no tooth of full depth",
+    "profile_shift": "in modules; beyond it no tooth is left",
+    "module_mm": "outside it the elastic half-spaces and the factors of ISO 6336 mean nothing",
+    "poissons_ratio": "at 0.5 the material cannot be compressed and plane strain is singular",
+    "pinion_speed_rpm": "the dynamics need a speed; take a low one for a slow test",
+    "name": "one line of text",
+}
+
+
+class Table(BaseModel):
+    """A table of a model file: unknown keys, wrong types, NaN and infinity are refused; an integer may stand for a number."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+    def given(self, key: str) -> bool:
+        """Return whether the user wrote this key."""
+        return key in self.model_fields_set and getattr(self, key) is not None
+
+
+class PairTable(Table):
+    """[pair]: what both gears share."""
+
+    module_mm: Annotated[float, Field(ge=0.01, le=1000.0)]
+    pressure_angle_deg: Annotated[float, Field(ge=10.0, le=40.0)] = 20.0
+    centre_distance_mm: Positive | None = None
+    face_width_mm: Positive
+    normal_backlash_mm: NotNegative = 0.0
+
+
+class RackTable(Table):
+    """[rack]: basic rack tooth profile, in modules."""
+
+    addendum: Annotated[float, Field(gt=0.0, le=3.0)] = 1.0
+    dedendum: Annotated[float, Field(gt=0.0, le=3.0)] = 1.25
+    tip_radius: Annotated[float, Field(gt=0.0, le=3.0)] = 0.3
+
+
+class MaterialTable(Table):
+    """[material]: steel unless said otherwise."""
+
+    youngs_modulus_MPa: Positive = 206000.0
+    poissons_ratio: Annotated[float, Field(gt=-1.0, lt=0.5)] = 0.3
+    density_kg_per_m3: Positive = 7850.0
+    yield_strength_MPa: Positive = 1200.0
+
+
+class GearTable(Table):
+    """[pinion] and [wheel]."""
+
+    teeth: Teeth
+    profile_shift: Shift = 0.0
+    bore_radius_mm: Positive | None = None
+    tip_radius_mm: Positive | None = None
+    root_radius_mm: Positive | None = None
+    tip_edge_radius_mm: Positive | None = None
+    material: MaterialTable = MaterialTable()
+
+
+class OperationTable(Table):
+    """[operation]: load, speed and drive."""
+
+    pinion_torque_Nm: Positive
+    wheel_torque_Nm: Positive | None = None
+    efficiency: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
+    pinion_speed_rpm: Positive
+    pinion_inertia_kg_m2: Positive | None = None
+    wheel_inertia_kg_m2: Positive | None = None
+    friction_coefficient: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.0
+    damping_ratio: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.06
+
+
+class Model(Table):
+    """A whole model file."""
+
+    name: Title = "gear pair"
+    pair: PairTable
+    pinion: GearTable
+    wheel: GearTable
+    rack: RackTable = RackTable()
+    material: MaterialTable = MaterialTable()
+    operation: OperationTable
+
+
+def valid_names(table: type[BaseModel] = Model, prefix: str = "") -> dict[str, tuple[str, ...]]:
+    """Return the valid keys of every table, by the table's dotted name ("" is the top of the file)."""
+    names = {prefix: tuple(table.model_fields)}
+    for key, field in table.model_fields.items():
+        inner = field.annotation
+        if isinstance(inner, type) and issubclass(inner, BaseModel):
+            names |= valid_names(inner, f"{prefix}.{key}".lstrip("."))
+    return names
+
+
+def field_of(path: tuple[str, ...]) -> Any:
+    """Return pydantic's description of a key given by its path; the path must be valid."""
+    table: type[BaseModel] = Model
+    for key in path[:-1]:
+        inner = table.model_fields[key].annotation
+        assert isinstance(inner, type)
+        assert issubclass(inner, BaseModel)
+        table = inner
+    return table.model_fields[path[-1]]
