@@ -16,10 +16,10 @@ TOLERANCE = 1e-12
 class LineLaw(Protocol):
     """Approach of one line contact under a line load, without the teeth."""
 
-    def approach(self, force: Array, radius: Array, depth1: Array, depth2: Array) -> Array:
+    def approach(self, force: Array, radius: Array, depth1: Array, depth2: Array, /) -> Array:
         """Return the approach [m] under line loads [N/m]."""
 
-    def compliance(self, force: Array, radius: Array, depth1: Array, depth2: Array) -> Array:
+    def compliance(self, force: Array, radius: Array, depth1: Array, depth2: Array, /) -> Array:
         """Return the slope of the approach [m per N/m]."""
 
 
@@ -102,8 +102,11 @@ def share_torque(system: PairSystem, law: LineLaw, torque: float) -> Sharing:
     a_j <= 0, so the complementarity becomes the equation f = g(a(f, e)), solved by Newton's method for all
     angles at once. It starts above the solution (one pair alone), from where the convex g leads down.
     """
+    # Counted from the first touch, so that a small deflection keeps its digits beside a large gap.
+    touch = system.gap.min(axis=1)
+    system = dataclasses.replace(system, gap=system.gap - touch[:, None])
     alone = _invert_alone(system, law, torque)
-    force = np.zeros_like(system.gap)
+    force: Array = np.zeros_like(system.gap)
     rows = np.arange(len(force))
     best = np.argmin(alone, axis=1)
     error = alone[rows, best]
@@ -113,10 +116,10 @@ def share_torque(system: PairSystem, law: LineLaw, torque: float) -> Sharing:
         residual = carried - force
         missing = torque - (system.arm * force).sum(axis=1)
         if max(np.abs(residual).max() / force.max(), np.abs(missing).max() / torque) < TOLERANCE:
-            return Sharing(force=force, transmission_error=error, slope=_error_slope(system, slope))
+            return Sharing(force=force, transmission_error=touch + error, slope=_error_slope(system, slope))
         matrix = _bordered(system, slope)
         step = np.linalg.solve(matrix, np.concatenate([residual, missing[:, None]], axis=1)[..., None])[..., 0]
-        force = np.maximum(force + step[:, :-1], 0.0)
+        force = _not_pulling(force + step[:, :-1])
         error = error + step[:, -1]
     worst = int(np.argmax(np.abs(residual).max(axis=1)))
     raise SolveError(f"load sharing did not converge at {torque:g} N m (angle number {worst} of {len(force)})")
@@ -143,7 +146,7 @@ def share_error(system: PairSystem, law: LineLaw, error: Array, start: Array | N
     SolveError
         If any angle does not converge.
     """
-    force = np.zeros_like(system.gap) if start is None else np.array(start)
+    force: Array = np.array(np.zeros_like(system.gap) if start is None else start)
     eye = np.eye(force.shape[1])
     for _ in range(ITERATIONS):
         carried, slope = _respond(system, law, force, error)
@@ -151,9 +154,13 @@ def share_error(system: PairSystem, law: LineLaw, error: Array, start: Array | N
         if np.abs(residual).max() <= TOLERANCE * max(force.max(), 1.0):
             return Sharing(force=force, transmission_error=error, slope=np.zeros_like(error))
         matrix = eye + slope[..., None] * _coupling(system)
-        step: Array = np.linalg.solve(matrix, residual[..., None])[..., 0]
-        force = np.maximum(force + step, 0.0)
+        force = _not_pulling(force + np.linalg.solve(matrix, residual[..., None])[..., 0])
     raise SolveError("load sharing at a given transmission error did not converge")
+
+
+def _not_pulling(force: Array) -> Array:
+    """Return the loads of a Newton step with those that would pull set to 0, from where they may return."""
+    return np.where(force > 0.0, force, 0.0)
 
 
 def _coupling(system: PairSystem) -> Array:
