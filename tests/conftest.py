@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+
 from gearfem.definition.setup import Gear, GearPair, Material, Operation, Rack, Setup
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-import gearfem
 import pytest
+
+import gearfem
 
 LINE = (
     "foundation",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from gearfem.contact import HertzLine
 from gearfem.definition.setup import Material
 from gearfem.engagement.sharing import PairSystem, share_error, share_torque, share_two_pairs

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from gearfem.definition.setup import Setup
 from gearfem.engagement.contacts import find_contacts
 from gearfem.engagement.record import Contacts

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from gearfem.definition.setup import Rack, involute
 from gearfem.flank import Outline
 from gearfem.foundation import InputError
