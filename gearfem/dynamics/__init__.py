@@ -1,1 +1,19 @@
-"""x"""
+"""The dynamics stage: rigid, elastic and classical motion of a gear pair in its drive."""
+
+from gearfem.dynamics.drive import make_drive, wheel_torque_sentence
+from gearfem.dynamics.elastic import classical_motion, elastic_motion
+from gearfem.dynamics.record import DriveTrain, ElasticMotion, RigidMotion
+from gearfem.dynamics.rigid import rigid_motion, uniform_transport, unloaded_transport
+
+__all__ = [
+    "DriveTrain",
+    "ElasticMotion",
+    "RigidMotion",
+    "classical_motion",
+    "elastic_motion",
+    "make_drive",
+    "rigid_motion",
+    "uniform_transport",
+    "unloaded_transport",
+    "wheel_torque_sentence",
+]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any
 
 from numpy.typing import NDArray
 
-from gearfem.foundation import Array, Record
+from gearfem.foundation import Array, InputError, Record
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -37,6 +38,17 @@ class DriveTrain(Record):
     friction_coefficient: float
     damping_ratio: float
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("pinion_inertia", "wheel_inertia", "pinion_torque", "wheel_torque", "pinion_speed"):
+            if not 0.0 < getattr(self, name) < math.inf:
+                raise InputError(name, getattr(self, name), "a positive number")
+        for name in ("friction_coefficient", "damping_ratio"):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise InputError(name, getattr(self, name), "zero or a positive number")
+        if not 0.0 < self.efficiency <= 1.0:
+            raise InputError("efficiency", self.efficiency, "above 0, up to 1")
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class RigidMotion(Record):
@@ -44,21 +56,30 @@ class RigidMotion(Record):
 
     Parameters
     ----------
-    pinion_angle, time, pinion_speed, pinion_acceleration, wheel_acceleration : ndarray
-        [rad], [s], [rad/s], [rad/s2], [rad/s2].
+    period : float
+        Pinion angle after which the motion repeats [rad]; the samples leave out its end.
+    pinion_angle, wheel_angle, time : ndarray
+        [rad], [rad], [s]; wheel angle and time count from the first sample.
+    pinion_speed, pinion_acceleration, wheel_acceleration : ndarray
+        [rad/s], [rad/s2], [rad/s2].
     dynamic_factor : ndarray
         Kw = 1 - J1 phi1''/T1.
     wheel_torque : float
         Braking torque at which the work over one period balances [N m].
+    step_error : float
+        Largest change of Kw when every second sample is left out: a bound on the error of the angle step.
     """
 
+    period: float
     pinion_angle: Array
+    wheel_angle: Array
     time: Array
     pinion_speed: Array
     pinion_acceleration: Array
     wheel_acceleration: Array
     dynamic_factor: Array
     wheel_torque: float
+    step_error: float
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -79,12 +100,16 @@ class ElasticMotion(Record):
         Kw = 1 - J1 psi1''/T1.
     wheel_torque : float
         Braking torque at which the mean power of the orbit balances [N m].
-    multipliers : ndarray of complex, shape (3,)
-        Floquet multipliers of the orbit without the free rotation; empty where no periodic orbit was found.
+    multipliers : ndarray of complex, shape (2,)
+        Floquet multipliers of the relative motion; empty where no periodic orbit was found. The common rotation has
+        two more, both 1 (angle and, since no torque depends on the speed, speed), which the mean speed settles.
     periodic : bool
         Whether the motion is a stable periodic orbit; if not, it is a transient's tail, statistics only.
     contact_loss : float
         Fraction of the time without contact on the working flank.
+    closure : float
+        Largest mismatch of the relative state, and of the pinion's speed, over one cycle, in units of the mean
+        deflection and that times the natural frequency; of the last cycle where the motion is not periodic.
     """
 
     time: Array
@@ -98,6 +123,7 @@ class ElasticMotion(Record):
     multipliers: NDArray[Any]
     periodic: bool
     contact_loss: float
+    closure: float
 
     @property
     def largest_dynamic_factor(self) -> float:
