@@ -1,1 +1,28 @@
-"""x"""
+"""Tooth compliance: deflection per line load over the load's position, teeth, bodies and coupling."""
+
+from gearfem.compliance.castigliano import Castigliano, FilletMiddle, FormCircle, RootEnd
+from gearfem.compliance.elasticity import PlaneStrain, PlaneStress
+from gearfem.compliance.field import Field
+from gearfem.compliance.finite_elements import FiniteElements
+from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
+from gearfem.compliance.stage import load_positions, make_compliance
+from gearfem.compliance.supports import Bore, Root, RootChord
+
+__all__ = [
+    "Bore",
+    "Castigliano",
+    "Compliance",
+    "ComplianceCurve",
+    "Field",
+    "FilletMiddle",
+    "FiniteElements",
+    "FormCircle",
+    "PlaneStrain",
+    "PlaneStress",
+    "Root",
+    "RootChord",
+    "RootEnd",
+    "ToothCompliance",
+    "load_positions",
+    "make_compliance",
+]

@@ -1,0 +1,90 @@
+"""The stage that turns the flanks of both gears into their compliance."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from gearfem.compliance.finite_elements import FiniteElements
+from gearfem.compliance.record import Compliance, ToothCompliance
+from gearfem.flank import Flanks, Outline
+from gearfem.foundation import Array
+from gearfem.foundation.progress import Progress, quiet
+
+# Positions on the first half of the tip round, where a bent tooth touches before and after its path of contact.
+ON_ROUND = 4
+
+
+class ToothMethod(Protocol):
+    """A way to compute the compliance of a tooth and its coupling to the neighbours."""
+
+    def tooth(self, outline: Outline, u: ArrayLike) -> ToothCompliance:
+        """Return the compliance over load positions."""
+
+
+def load_positions(outline: Outline, count: int = 40) -> Array:
+    """Return load positions that resolve a compliance curve: on the whole flank and on half of the tip round.
+
+    Parameters
+    ----------
+    outline : Outline
+        Outline of the tooth.
+    count : int
+        Number of positions, at least 10.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        Parameters u: Chebyshev-Lobatto points of the roll length on the flank, ends included, and equal steps from 3 to 3.5,
+        or to where the normal has turned by 60 degrees if that comes first.
+
+    Examples
+    --------
+    >>> from gearfem.definition.setup import Gear, Material, Rack
+    >>> gear = Gear(teeth=17, module=1e-3, pressure_angle=0.349, profile_shift=0.0, flank_thinning=0.0, root_radius=7.25e-3,
+    ...             tip_radius=9.5e-3, tip_edge_radius=2e-5, bore_radius=4e-3, rack=Rack(), material=Material())
+    >>> u = load_positions(Outline(gear=gear), 20)
+    >>> len(u), float(u[0]), float(u[-1])
+    (20, 2.0, 3.5)
+    """
+    on_flank = count - ON_ROUND
+    if on_flank < 6:
+        raise ValueError(f"at least {6 + ON_ROUND} load positions are needed, not {count}")
+    flank = 2.5 - 0.5 * np.cos(np.pi * np.arange(on_flank) / (on_flank - 1))
+    start, end = (np.arctan2(*outline.normal(np.array(u))[::-1]) for u in (3.0, np.nextafter(4.0, 3.0)))
+    reach = min(0.5, np.radians(60.0) / (start - end))
+    return np.concatenate([flank, 3.0 + reach * np.arange(1, ON_ROUND + 1) / ON_ROUND])
+
+
+def make_compliance(flanks: Flanks, method: ToothMethod | None = None, positions: int = 40, progress: Progress = quiet) -> Compliance:
+    """Compute the compliance of both gears, whole, each held at its bore.
+
+    Parameters
+    ----------
+    flanks : Flanks
+        Outlines of both gears.
+    method : ToothMethod
+        By default `FiniteElements` in plane strain.
+    positions : int
+        Load positions on each tooth.
+    progress : Progress
+        Told after each gear.
+
+    Returns
+    -------
+    Compliance
+
+    Raises
+    ------
+    SolveError, InputError
+        As the method does.
+    """
+    method = method or FiniteElements()
+    teeth = []
+    for done, outline in enumerate((flanks.pinion, flanks.wheel)):
+        progress("tooth compliance", done, 2)
+        teeth.append(method.tooth(outline, load_positions(outline, positions)))
+    progress("tooth compliance", 2, 2)
+    return Compliance(pinion=teeth[0], wheel=teeth[1])
