@@ -1,1 +1,42 @@
-"""x"""
+"""Tables, pictures and the report of results; matplotlib and pyvista are imported when a picture is asked for."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from gearfem.report.html import write_report
+    from gearfem.report.plots import write_pictures
+    from gearfem.report.render import Rendering, write_render, write_vtu
+    from gearfem.report.summary import summarise
+    from gearfem.report.tables import write_compliance, write_dynamics, write_kinematics, write_stiffness, write_summary
+
+__all__ = [
+    "Rendering",
+    "summarise",
+    "write_compliance",
+    "write_dynamics",
+    "write_kinematics",
+    "write_pictures",
+    "write_render",
+    "write_report",
+    "write_stiffness",
+    "write_summary",
+    "write_vtu",
+]
+
+_HOMES = {
+    "html": ("write_report",),
+    "plots": ("write_pictures",),
+    "render": ("Rendering", "write_render", "write_vtu"),
+    "summary": ("summarise",),
+    "tables": ("write_compliance", "write_dynamics", "write_kinematics", "write_stiffness", "write_summary"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(importlib.import_module(f"gearfem.report.{module}"), name)
+    raise AttributeError(f"module 'gearfem.report' has no attribute {name!r}")

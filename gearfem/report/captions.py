@@ -1,0 +1,79 @@
+"""What each picture of the report shows, in words and with its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+Values = Mapping[str, Any]
+
+
+def _pair(values: Values) -> str:
+    return (
+        "Drawn to scale at angle 0, where pair 0 touches at the pitch point C. The pinion (left) drives and turns counter-clockwise. "
+        f"The path of contact holds {values['contact_ratio']:.4f} base pitches; circles mark the pairs that touch at this angle."
+    )
+
+
+def _compliance(values: Values) -> str:
+    text = (
+        "Deflection along the load line, where that line crosses the tooth's centreline, for 1 N per mm of face width. "
+        "A whole gear, held at its bore, yields with its body; a tooth clamped at its root shows the tooth alone."
+    )
+    if "castigliano_over_fe_min" in values:
+        low, high = values["castigliano_over_fe_min"], values["castigliano_over_fe_max"]
+        text += f" Castigliano's trapezoid gives {low:.3f} to {high:.3f} of the finite elements over the active flanks; the band is ±10 %."
+    return text
+
+
+def _stiffness(values: Values) -> str:
+    return (
+        f"Stiffness of the whole face width along the line of action at {values['pinion_torque_Nm']:.4g} N m; shaded where more than one "
+        f"pair carries. The slope's mean over one pitch is {values['mesh_stiffness_mean_N_per_mm_um']:.2f} N/(mm·µm), "
+        f"ISO 6336-1 method B gives {values['iso6336_c_gamma_alpha_N_per_mm_um']:.2f}."
+    )
+
+
+def _load_share(values: Values) -> str:
+    return "Share of each pair in the sum of the normal forces; where teeth bend, the next pair carries before its path of contact begins."
+
+
+def _transmission_error(values: Values) -> str:
+    swing = values["transmission_error_peak_to_peak_um"]
+    return f"Lag of the loaded wheel behind perfect rigid gears, bodies included. From peak to peak {swing:.2f} µm."
+
+
+def _gear_ratio(values: Values) -> str:
+    low, high, mean = (values[f"gear_ratio_{name}"] for name in ("min", "max", "mean"))
+    return f"Under load the ratio runs from {low:.4f} to {high:.4f} while pairs hand over; its mean over the wheel's angle is {mean:.5f}."
+
+
+def _velocities(values: Values) -> str:
+    return (
+        "Speed of the contact point along both flanks at the nominal pinion speed, and the difference, the sliding: "
+        "negative in approach, zero at the pitch point, positive in recess."
+    )
+
+
+def _rigid_motion(values: Values) -> str:
+    return "Periodic motion of the rigid model, one degree of freedom: the gear ratio under load forces speed and acceleration."
+
+
+def _dynamic_factor(values: Values) -> str:
+    return (
+        "Dynamic factor 1 - J₁ψ₁''/T₁, the load on the teeth over the static load. The classical model keeps the gear ratio constant and "
+        "takes the inertias of the two gears alone; the other two carry the whole drive."
+    )
+
+
+CAPTIONS: dict[str, tuple[str, Callable[[Values], str]]] = {
+    "pair": ("Teeth in engagement", _pair),
+    "compliance": ("Tooth compliance", _compliance),
+    "mesh_stiffness": ("Mesh stiffness", _stiffness),
+    "load_share": ("Load sharing", _load_share),
+    "transmission_error": ("Loaded transmission error", _transmission_error),
+    "gear_ratio": ("Gear ratio", _gear_ratio),
+    "velocities": ("Rolling and sliding", _velocities),
+    "rigid_motion": ("Rigid model", _rigid_motion),
+    "dynamic_factor": ("Dynamic factor", _dynamic_factor),
+}

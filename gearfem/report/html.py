@@ -1,0 +1,171 @@
+"""The report: one HTML file that holds its pictures and asks nothing of the network."""
+
+from __future__ import annotations
+
+import base64
+import importlib.resources
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import jinja2
+from markupsafe import Markup
+
+from gearfem.foundation.files import whole
+from gearfem.foundation.units import RPM
+from gearfem.pipeline import Results
+from gearfem.report.captions import CAPTIONS
+from gearfem.report.plots import write_pictures
+from gearfem.report.render import Rendering
+from gearfem.report.summary import summarise
+
+FILES = {
+    "summary.json": "the numbers of this page and more",
+    "compliance.csv": "deflection per line load over the load radius",
+    "mesh_stiffness.csv": "stiffness, transmission error and load shares over the pinion angle",
+    "kinematics.csv": "gear ratios, contact points and velocities of every pair in contact",
+    "rigid.csv": "motion of the rigid model",
+    "elastic.csv": "steady motion of the elastic model",
+    "classical.csv": "steady motion of the classical model",
+}
+
+SPECIFIC, PAPER = "N/(mm·µm)", "Wojnarowski & Onishchenko 2003: within 10 %"
+ISO_SINGLE = Markup("ISO 6336-1, method B: <i>c</i>&prime;")
+ISO_MESH = Markup("ISO 6336-1, method B: <i>c</i><sub>&gamma;&alpha;</sub>")
+
+# Label, key of summary.json, format, unit, value beside it (a key or text) and where that comes from.
+NUMBERS: tuple[tuple[str, str, str, str, str, str], ...] = (
+    ("transverse contact ratio", "contact_ratio", ".4f", "", "", ""),
+    ("working pressure angle", "working_pressure_angle_deg", ".3f", "°", "", ""),
+    ("centre distance", "centre_distance_mm", ".3f", "mm", "", ""),
+    ("tip radii, pinion / wheel", "tip_radius_mm", ".3f", "mm", "", ""),
+    ("root radii, pinion / wheel", "root_radius_mm", ".3f", "mm", "", ""),
+    ("normal force", "normal_force_N", ".0f", "N", "", ""),
+    ("largest stiffness of a single pair", "single_stiffness_max_N_per_mm_um", ".2f", SPECIFIC, "iso6336_c_prime_N_per_mm_um", ISO_SINGLE),
+    ("mean mesh stiffness (slope)", "mesh_stiffness_mean_N_per_mm_um", ".2f", SPECIFIC, "iso6336_c_gamma_alpha_N_per_mm_um", ISO_MESH),
+    ("Castigliano over finite elements, least", "castigliano_over_fe_min", ".3f", "", "0.900", PAPER),
+    ("Castigliano over finite elements, largest", "castigliano_over_fe_max", ".3f", "", "1.100", PAPER),
+    ("transmission error, peak to peak", "transmission_error_peak_to_peak_um", ".2f", "µm", "", ""),
+    ("gear ratio under load, least", "gear_ratio_min", ".4f", "", "", ""),
+    ("gear ratio under load, largest", "gear_ratio_max", ".4f", "", "", ""),
+    ("gear ratio under load, mean", "gear_ratio_mean", ".5f", "", "gear_ratio_nominal", "z₂/z₁"),
+    ("largest dynamic factor, rigid model", "dynamic_factor_rigid", ".3f", "", "", ""),
+    ("largest dynamic factor, elastic model", "dynamic_factor_elastic", ".3f", "", "", ""),
+    ("largest dynamic factor, classical model", "dynamic_factor_classical", ".3f", "", "", ""),
+)
+
+Published = tuple[str, float, float, str, str]
+
+
+class Row(NamedTuple):
+    """One line of the table of numbers."""
+
+    label: str
+    value: str
+    unit: str
+    reference: str
+    source: str
+
+
+class Picture(NamedTuple):
+    """One picture with its heading and caption; wide ones take the page's whole width."""
+
+    title: str
+    caption: str
+    data: str
+    wide: bool
+
+
+def write_report(
+    results: Results,
+    out: Path,
+    published: Iterable[Published] = (),
+    rendering: Rendering | None = None,
+    pictures: Mapping[str, Path] | None = None,
+) -> Path:
+    """Write report.html: answer, numbers beside those of others, pictures, assumptions, method and files.
+
+    Parameters
+    ----------
+    results : Results
+        Of any stages; sections of stages that were not run are left out.
+    out : Path
+        Folder.
+    published : iterable of (label, ours, theirs, unit, reason)
+        Published figures to stand beside ours, with a sentence on why they differ.
+    rendering : Rendering, optional
+        Picture of the deformed tooth.
+    pictures : mapping of str to Path, optional
+        What `write_pictures` returned; by default it is called.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    values = summarise(results)
+    drawn = write_pictures(results, out) if pictures is None else pictures
+    template = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True).from_string(
+        importlib.resources.files("gearfem.report").joinpath("template.html").read_text(encoding="utf-8")
+    )
+    page = template.render(
+        values=values,
+        answer=_answer(results, values),
+        rows=_rows(values),
+        pictures=_pictures(values, drawn, rendering),
+        published=[(*row, (row[1] / row[2] - 1.0) * 100.0) for row in published],
+        files=[(name, meaning) for name, meaning in FILES.items() if (Path(out) / name).exists()],
+        stages={"compliance": results.compliance, "engagement": results.engagement, "dynamics": results.elastic},
+        notice=rendering.notice if rendering is not None else "",
+    )
+    path = Path(out) / "report.html"
+    with whole(path) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+    return path
+
+
+def _answer(results: Results, values: Mapping[str, Any]) -> str:
+    operation = results.setup.operation
+    sentences = []
+    if results.engagement is not None:
+        sentences.append(
+            f"At {values['pinion_torque_Nm']:.4g} N m on the pinion the mesh stiffness is {values['mesh_stiffness_mean_N_per_mm_um']:.2f} "
+            f"N/(mm·µm) in the mean, that of a single pair at most {values['single_stiffness_max_N_per_mm_um']:.2f} N/(mm·µm)."
+        )
+    if results.elastic is not None:
+        sentences.append(
+            f"At {operation.pinion_speed / RPM:.4g} rpm the largest dynamic factor of the elastic model is "
+            f"{values['dynamic_factor_elastic']:.3f}."
+        )
+    return " ".join(sentences)
+
+
+def _rows(values: Mapping[str, Any]) -> list[Row]:
+    """Return the table of numbers; rows whose key is absent are left out."""
+    rows = []
+    for label, key, form, unit, beside, source in NUMBERS:
+        if key in values:
+            reference = _number(values[beside], form) if beside in values else beside
+            rows.append(Row(label, _number(values[key], form), unit, reference, source))
+    return rows
+
+
+def _number(value: Any, form: str) -> str:
+    parts = value if isinstance(value, list) else [value]
+    return " / ".join(format(part, form) for part in parts)
+
+
+def _pictures(values: Mapping[str, Any], drawn: Mapping[str, Path], rendering: Rendering | None) -> list[Picture]:
+    found = [
+        Picture(title, caption(values), _inline(drawn[name]), name == "compliance")
+        for name, (title, caption) in CAPTIONS.items()
+        if name in drawn
+    ]
+    if rendering is not None:
+        text = f"{rendering.title}. The line is the undeformed outline; the arrow is the load."
+        found.insert(1, Picture("Deformed tooth", text, _inline(rendering.path), False))
+    return found
+
+
+def _inline(path: Path) -> str:
+    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
