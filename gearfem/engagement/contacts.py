@@ -15,6 +15,10 @@ from gearfem.foundation import Array, SolveError
 from gearfem.placement import Placement
 
 
+# Gap in modules that no load closes: steel teeth yield in bending long before they deflect by a twentieth of it.
+REACH = 0.1
+
+
 class _Touch(NamedTuple):
     """One kind of contact at many angles; all arrays have the shape of the angles."""
 
@@ -25,6 +29,9 @@ class _Touch(NamedTuple):
     direction: Array
     point: Array
     curvature: Array
+    flank_curvature: Array
+    edge: Array
+    edge_radius: Array
     rolling1: Array
     rolling2: Array
 
@@ -70,6 +77,7 @@ def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pai
     # The first touch is the smallest lag of the wheel; a pair out of reach gets a lag of one module.
     lags = np.stack([np.where(kind.reach, (ideal - kind.wheel_angle) * base2, placement.pair.wheel.module) for kind in kinds])
     lags[0][kinds[0].reach] = 0.0
+    lags[lags > REACH * placement.pair.wheel.module] = placement.pair.wheel.module
     first = np.argmin(lags, axis=0)
     chosen = _Touch(*(_choose(first, [kind[field] for kind in kinds]) for field in range(len(_Touch._fields))))
     return _contacts(placement, np.asarray(pinion_angle, float), pairs, chosen, np.min(lags, axis=0))
@@ -89,7 +97,7 @@ def _contacts(placement: Placement, pinion_angle: Array, pairs: tuple[int, ...],
     return Contacts(
         pinion_angle=pinion_angle,
         pairs=pairs,
-        reach=touch.reach,
+        reach=touch.reach & (gap <= REACH * placement.pair.wheel.module),
         gap=gap,
         u1=touch.u1,
         u2=touch.u2,
@@ -100,6 +108,9 @@ def _contacts(placement: Placement, pinion_angle: Array, pairs: tuple[int, ...],
         friction_arm1=x * fx + y * fy,
         friction_arm2=beyond * fx - y * fy,
         equivalent_radius=1.0 / touch.curvature,
+        flank_radius=1.0 / touch.flank_curvature,
+        edge=touch.edge,
+        edge_radius=touch.edge_radius,
         rolling_velocity1=touch.rolling1,
         rolling_velocity2=touch.rolling2,
         sliding_velocity=touch.rolling1 - touch.rolling2,
@@ -116,16 +127,21 @@ def _on_path(flanks: Flanks, placement: Placement, angle: Array) -> _Touch:
     reach = _within(pinion, roll1) & _within(wheel, roll2)
     roll1, roll2 = _bounded(pinion, roll1), _bounded(wheel, roll2)
     direction = np.full_like(angle, np.pi / 2.0 - placement.working_pressure_angle)
+    u1, u2 = pinion.parameter(roll1), wheel.parameter(roll2)
+    edge1, edge2 = pinion.edge_distance(u1), wheel.edge_distance(u2)
     pitch_radius = placement.centre_distance / (1.0 + placement.pair.ratio)
     point = np.stack([pitch_radius + along * np.cos(direction), along * np.sin(direction)], axis=-1)
     return _Touch(
         reach=reach,
         wheel_angle=angle / placement.pair.ratio,
-        u1=pinion.parameter(roll1),
-        u2=wheel.parameter(roll2),
+        u1=u1,
+        u2=u2,
         direction=direction,
         point=point,
         curvature=1.0 / roll1 + 1.0 / roll2,
+        flank_curvature=1.0 / roll1 + 1.0 / roll2,
+        edge=np.minimum(edge1, edge2),
+        edge_radius=np.where(edge1 <= edge2, pinion.gear.tip_edge_radius, wheel.gear.tip_edge_radius),
         rolling1=base1 * slope + along,
         rolling2=(base2 * slope - along) / placement.pair.ratio,
     )
@@ -152,14 +168,18 @@ def _pinion_tip(flanks: Flanks, placement: Placement, angle: Array) -> _Touch:
     end = placement.pair.recess_length / pinion.gear.base_radius
     near = (angle > end - 0.1 * pinion.gear.pitch_angle) & (angle < end + pinion.gear.pitch_angle)
     reach = near & _within(wheel, roll2) & (u1 >= ROUND) & (u1 <= LOADED_END)
+    u1 = np.where(reach, u1, ROUND)
     return _Touch(
         reach=reach,
         wheel_angle=-axis2 - placement.wheel_start,
-        u1=np.where(reach, u1, ROUND),
+        u1=u1,
         u2=wheel.parameter(_bounded(wheel, roll2)),
         direction=direction,
         point=point,
         curvature=1.0 / pinion.gear.tip_edge_radius + 1.0 / _bounded(wheel, roll2),
+        flank_curvature=1.0 / pinion.flank_end + 1.0 / _bounded(wheel, roll2),
+        edge=pinion.edge_distance(u1),
+        edge_radius=np.full_like(angle, pinion.gear.tip_edge_radius),
         rolling1=-pinion.gear.tip_edge_radius * turn,
         rolling2=-(roll2 / wheel.gear.base_radius) * roll_rate,
     )
@@ -200,16 +220,20 @@ def _wheel_tip(flanks: Flanks, placement: Placement, angle: Array) -> _Touch:
     polar2 = axis2 + lead
     u2 = wheel.round_parameter(direction - axis2)
     reach = inside & _within(pinion, roll1) & (u2 >= ROUND) & (u2 <= LOADED_END)
+    u2 = np.where(reach, u2, ROUND)
     roll_rate = -ratio * distance * radius * np.sin(polar2) / (_bounded(pinion, roll1) + edge)
     turn = -roll_rate / pinion.gear.base_radius + 1.0 + ratio
     return _Touch(
         reach=reach,
         wheel_angle=-axis2 - placement.wheel_start,
         u1=pinion.parameter(_bounded(pinion, roll1)),
-        u2=np.where(reach, u2, ROUND),
+        u2=u2,
         direction=direction,
         point=centre - edge * _unit(direction),
         curvature=1.0 / _bounded(pinion, roll1) + 1.0 / edge,
+        flank_curvature=1.0 / _bounded(pinion, roll1) + 1.0 / wheel.flank_end,
+        edge=wheel.edge_distance(u2),
+        edge_radius=np.full_like(angle, edge),
         rolling1=(roll1 / pinion.gear.base_radius) * roll_rate,
         rolling2=edge * turn,
     )

@@ -41,7 +41,11 @@ class Contacts(Record):
         Distances h1, h2 of the contact point from the feet of the two arms, along the normal [m]. A friction
         force F_t = f P sign(v_sl) takes F_t h1 from the pinion and gives F_t h2 to the wheel.
     equivalent_radius : ndarray
-        Equivalent radius of curvature [m].
+        Equivalent radius of curvature at the contact point [m].
+    flank_radius : ndarray
+        The same of the two flanks, as if they went on past their tip rounds [m].
+    edge, edge_radius : ndarray
+        Arc from the contact point to the beginning of the nearest tip round, negative on it, and its radius [m].
     rolling_velocity1, rolling_velocity2, sliding_velocity : ndarray
         Velocity of the contact point along each flank and their difference v1 - v2, per unit angular
         velocity of the pinion [m/rad]; the sliding is negative in approach.
@@ -60,6 +64,9 @@ class Contacts(Record):
     friction_arm1: Array
     friction_arm2: Array
     equivalent_radius: Array
+    flank_radius: Array
+    edge: Array
+    edge_radius: Array
     rolling_velocity1: Array
     rolling_velocity2: Array
     sliding_velocity: Array

@@ -187,6 +187,13 @@ class Outline(Record):
         """Return u of the tip round where its normal has a polar angle [rad]; outside [3, 4] it is not on the round."""
         return ROUND + (np.asarray(direction, float) - self._round_start) / (self._round_angle - self._round_start)
 
+    def edge_distance(self, u: ArrayLike) -> Array:
+        """Return the arc [m] from points of flank and tip round to where the round begins, negative on the round."""
+        u = np.asarray(u, float)
+        on_flank = (self.flank_end**2 - self.roll_length(u) ** 2) / (2.0 * self.gear.base_radius)
+        on_round = (ROUND - u) * (self._round_start - self._round_angle) * self.gear.tip_edge_radius
+        return np.where(u <= ROUND, on_flank, on_round)
+
     @property
     def round_centre(self) -> tuple[float, float]:
         """Polar angle [rad] and radius [m] of the centre of the tip round."""
