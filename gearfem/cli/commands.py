@@ -1,0 +1,205 @@
+"""The commands: arguments, help and order of steps; the work is in the stages and in the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from gearfem.cli.group import Commands, folder
+from gearfem.cli.listener import Bars
+
+if TYPE_CHECKING:
+    from gearfem.definition.setup import Setup
+
+Command = TypeVar("Command", bound=Callable[..., None])
+GEARS = click.Choice(["pinion", "wheel"])
+SUPPORTS = click.Choice(["bore", "root", "root_chord"])
+
+_model = click.argument("model", metavar="MODEL")
+_out = click.option("--out", required=True, metavar="DIR", help="Folder for the files; made if missing.")
+_sets = click.option(
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Replace a key of the model, as in TOML; may be repeated."
+)
+_steps = click.option(
+    "--steps", type=click.IntRange(200, 100_000), default=400, show_default=True, help="Steps of the pinion angle from -1 to +1 pitch."
+)
+_support = click.option(
+    "--support",
+    type=SUPPORTS,
+    default="bore",
+    show_default=True,
+    help="What is held: the whole gear at its bore, or the tooth at its root circle or on the chord of it.",
+)
+
+
+def _model_command(command: Command) -> Command:
+    return _model(_out(_sets(command)))
+
+
+def _load(model: str, overrides: tuple[str, ...]) -> Setup:
+    from gearfem.model import load_model
+
+    return load_model(model, overrides)
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="gearfem", message="%(prog)s %(version)s")
+def main() -> None:
+    """Compute stiffness and dynamics of spur gear pairs from model files (TOML).
+
+    Names of keys and columns end in their unit. Status 0: done; 1: a solve failed; 2: bad input, said in one line.
+
+    \b
+    Example:
+      gearfem run studies/coal_combine/model.toml --out results
+    """
+
+
+@main.command(short_help="Run the whole chain; write every file and report.html.")
+@_model_command
+def run(model: str, out: str, overrides: tuple[str, ...]) -> None:
+    """Run the whole chain of MODEL; write all tables, summary.json, pictures and report.html.
+
+    \b
+    Units: those that end the names of columns and keys (mm, um, N, N/um, rad, s).
+    Example:
+      gearfem run model.toml --out results --set pair.face_width_mm=60
+    """
+    from gearfem.cli import steps
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    with Bars() as progress:
+        done = steps.everything(setup, target, progress)
+    steps.say(done)
+
+
+@main.command(short_help="Tooth compliance over the load radius.")
+@_model_command
+@_support
+def compliance(model: str, out: str, overrides: tuple[str, ...], support: str) -> None:
+    """Write compliance.csv: deflection of one tooth of each gear over the radius of the load.
+
+    \b
+    Units: um per N/mm of line load, radius in mm.
+    Methods: finite elements in plane strain and plane stress; Castigliano's trapezoid, always held at its root.
+    Example:
+      gearfem compliance model.toml --out results --support root
+    """
+    from gearfem.cli import steps
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    with Bars() as progress:
+        done = steps.compliance(setup, target, support, progress)
+    steps.say(done)
+
+
+@main.command(short_help="Mesh stiffness and transmission error.")
+@_model_command
+@_steps
+@click.option("--torque", "torques", type=float, multiple=True, metavar="NM", help="Torque on the pinion in N m; may be repeated.")
+def stiffness(model: str, out: str, overrides: tuple[str, ...], steps: int, torques: tuple[float, ...]) -> None:
+    """Write mesh_stiffness.csv: stiffness, transmission error and load shares over the pinion angle.
+
+    \b
+    Units: N/um over the whole face width, um along the line of action, rad, N m.
+    Example:
+      gearfem stiffness model.toml --out results --torque 400 --torque 1605
+    """
+    from gearfem.cli import steps as work
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    with Bars() as progress:
+        done = work.stiffness(setup, target, steps, torques, progress)
+    work.say(done)
+
+
+@main.command(short_help="Gear ratios, contact points, velocities.")
+@_model_command
+@_steps
+def kinematics(model: str, out: str, overrides: tuple[str, ...], steps: int) -> None:
+    """Write kinematics.csv: gear ratios, contact points and velocities of each pair in contact.
+
+    \b
+    Units: mm, deg, m/s at the model's speed, rad.
+    Example:
+      gearfem kinematics model.toml --out results --steps 1000
+    """
+    from gearfem.cli import steps as work
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    with Bars() as progress:
+        done = work.kinematics(setup, target, steps, progress)
+    work.say(done)
+
+
+@main.command(short_help="Motions and dynamic factors of three models.")
+@_model_command
+def dynamics(model: str, out: str, overrides: tuple[str, ...]) -> None:
+    """Write rigid.csv, elastic.csv and classical.csv: steady motion and dynamic factor of three models.
+
+    \b
+    Units: s, rad, rad/s, rad/s2, N, um.
+    Example:
+      gearfem dynamics model.toml --out results --set operation.pinion_speed_rpm=900
+    """
+    from gearfem.cli import steps
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    with Bars() as progress:
+        done = steps.dynamics(setup, target, progress)
+    steps.say(done)
+
+
+@main.command(short_help="Pictures of the loaded, deformed teeth.")
+@_model_command
+@click.option("--gear", type=GEARS, default=None, help="One gear; by default both.")
+def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None) -> None:
+    """Draw the loaded, deformed tooth of each gear: tooth_*.png, and tooth_*.vtu for ParaView.
+
+    The tooth carries the whole torque at the end of one-pair contact.
+
+    \b
+    Units: mm, MPa; the displacement is enlarged as the picture says.
+    Example:
+      gearfem render model.toml --out results --gear pinion
+    """
+    from gearfem.cli import steps
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    with Bars() as progress:
+        done = steps.render(setup, target, (gear,) if gear else ("pinion", "wheel"), progress)
+    steps.say(done)
+
+
+@main.command(short_help="Finite-element meshes for other programs.")
+@_model
+@click.option("--out", required=True, metavar="PATH", help="A folder, or one file: *.vtu, *.vtk or *.msh (Gmsh).")
+@_sets
+@click.option("--dim", type=int, default=2, show_default=True, help="Dimension; 2 is the section of the tooth.")
+@click.option("--gear", type=GEARS, default=None, help="One gear; by default both, of a single file the pinion.")
+@_support
+@click.option("--resolution", type=float, default=3.0, show_default=True, help="Elements along each side against half-module ones; from 1.")
+def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str | None, support: str, resolution: float) -> None:
+    """Write the finite-element mesh of one tooth with its sector of the gear, mesh_*.vtu.
+
+    \b
+    Units: mm. The point data `held` is 1 on nodes that do not move.
+    Example:
+      gearfem mesh model.toml --dim 2 --gear wheel --out wheel.vtu
+    """
+    from gearfem.cli import meshes, steps
+
+    targets = meshes.targets(out, gear, dim)
+    for path in targets.values():
+        folder(str(Path(path).parent))
+    setup = _load(model, overrides)
+    steps.say(meshes.write(setup, targets, support, resolution))

@@ -1,0 +1,187 @@
+"""What each command computes and writes; everything heavy is imported by whoever asks for this module."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+import numpy as np
+
+from gearfem.compliance import Bore, Castigliano, FiniteElements, PlaneStrain, PlaneStress, Root, RootChord, load_positions
+from gearfem.compliance.record import ComplianceCurve
+from gearfem.definition.setup import GearPair, Member, Setup
+from gearfem.engagement.engage import engage
+from gearfem.flank import Flanks, Outline, make_flanks
+from gearfem.foundation import Array, InputError
+from gearfem.foundation.progress import Progress
+from gearfem.foundation.units import N_PER_MM_UM, UM_PER_N_PER_MM
+from gearfem.pipeline import Results
+from gearfem.pipeline import run as run_chain
+from gearfem.report import (
+    Rendering,
+    summarise,
+    write_compliance,
+    write_dynamics,
+    write_kinematics,
+    write_pictures,
+    write_render,
+    write_report,
+    write_stiffness,
+    write_summary,
+    write_vtu,
+)
+
+MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
+SUPPORTS: dict[str, type[Bore] | type[Root] | type[RootChord]] = {"bore": Bore, "root": Root, "root_chord": RootChord}
+
+
+class Done(NamedTuple):
+    """What a command has to say at its end."""
+
+    lines: list[str]
+    files: list[Path]
+
+
+def say(done: Done) -> None:
+    """Print a summary and where the files are."""
+    for line in done.lines:
+        click.echo(line)
+    for path in done.files:
+        click.echo(f"wrote {path}")
+
+
+# ---- commands ---------------------------------------------------------------------------------------
+
+
+def everything(setup: Setup, out: Path, progress: Progress) -> Done:
+    """Run the whole chain and write every file of it."""
+    results = run_chain(setup, comparison=True, progress=progress)
+    files = [write_compliance(results, out), write_stiffness(results, out), write_kinematics(results, out), *write_dynamics(results, out)]
+    files.append(write_summary(results, out))
+    progress("pictures", 0, 3)
+    renderings = [_draw(results.setup, results.flanks, member, out) for member in MEMBERS]
+    progress("pictures", 1, 3)
+    pictures = write_pictures(results, out)
+    progress("pictures", 2, 3)
+    files += [*pictures.values(), *(path for rendering in renderings for path in (rendering.path, rendering.path.with_suffix(".vtu")))]
+    files.append(write_report(results, out, rendering=renderings[0], pictures=pictures))
+    progress("pictures", 3, 3)
+    notices = sorted({rendering.notice for rendering in renderings if rendering.notice})
+    return Done(_numbers(results) + notices, files)
+
+
+def compliance(setup: Setup, out: Path, support: str, progress: Progress) -> Done:
+    """Compute the compliance of both gears by three methods, with the finite elements held at the support."""
+    flanks = make_flanks(setup)
+    held = SUPPORTS[support]()
+    methods = (FiniteElements(plane=PlaneStrain(), support=held), FiniteElements(plane=PlaneStress(), support=held), Castigliano())
+    curves: list[tuple[Member, ComplianceCurve]] = []
+    lines = []
+    for member in MEMBERS:
+        outline = _outline(flanks, member)
+        positions = load_positions(outline)
+        positions = positions[positions <= 3.0]
+        for method in methods:
+            progress("compliance", len(curves), 2 * len(methods))
+            curve = method.curve(outline, positions)
+            curves.append((member, curve))
+            low, high = curve.deflection.min() / UM_PER_N_PER_MM, curve.deflection.max() / UM_PER_N_PER_MM
+            left = positions.size - curve.u.size
+            note = f"; {left} positions left out, whose load line crosses the centreline below the support" if left else ""
+            lines.append(f"{member}, {curve.method}, {curve.support}: {low:.5f} to {high:.5f} um per N/mm{note}")
+    progress("compliance", 2 * len(methods), 2 * len(methods))
+    results = Results(setup=setup, flanks=flanks, comparison=tuple(curves), assumptions=setup.assumptions)
+    return Done(lines, [write_compliance(results, out)])
+
+
+def stiffness(setup: Setup, out: Path, steps: int, torques: Sequence[float], progress: Progress) -> Done:
+    """Compute the engagement under one or more torques."""
+    wanted = tuple(torques) or (setup.operation.pinion_torque,)
+    for torque in wanted:
+        if not (math.isfinite(torque) and torque > 0.0):
+            raise InputError("--torque", torque, "a number above 0 N m")
+    angles = _angles(setup.pair, steps)
+    results = run_chain(setup, "engagement", torque=wanted[0], angles=angles, progress=progress)
+    assert results.mesh is not None
+    assert results.engagement is not None
+    engagements = [results.engagement]
+    for number, torque in enumerate(wanted[1:], start=1):
+        progress("engagement", number, len(wanted))
+        engagements.append(engage(results.mesh, angles, torque))
+    progress("engagement", len(wanted), len(wanted))
+    lines = [line for one in engagements for line in _numbers(dataclasses.replace(results, engagement=one))]
+    return Done(list(dict.fromkeys(lines)), [write_stiffness(results, out, engagements)])
+
+
+def kinematics(setup: Setup, out: Path, steps: int, progress: Progress) -> Done:
+    """Compute the engagement for its kinematics."""
+    results = run_chain(setup, "engagement", angles=_angles(setup.pair, steps), progress=progress)
+    return Done(_numbers(results), [write_kinematics(results, out)])
+
+
+def dynamics(setup: Setup, out: Path, progress: Progress) -> Done:
+    """Compute the three models of the dynamics."""
+    results = run_chain(setup, progress=progress)
+    return Done(_numbers(results), list(write_dynamics(results, out)))
+
+
+def render(setup: Setup, out: Path, members: Sequence[str], progress: Progress) -> Done:
+    """Draw the loaded teeth."""
+    flanks = make_flanks(setup)
+    lines, files = [], []
+    for number, member in enumerate(member for member in MEMBERS if member in members):
+        progress("rendering", number, len(members))
+        rendering = _draw(setup, flanks, member, out)
+        files += [rendering.path, rendering.path.with_suffix(".vtu")]
+        lines += [f"{member}: {rendering.title}", *([rendering.notice] if rendering.notice else [])]
+    progress("rendering", len(members), len(members))
+    return Done(list(dict.fromkeys(lines)), files)
+
+
+# ---- parts ------------------------------------------------------------------------------------------
+
+
+def _outline(flanks: Flanks, member: Member) -> Outline:
+    return flanks.pinion if member == "pinion" else flanks.wheel
+
+
+def _angles(pair: GearPair, steps: int) -> Array:
+    return np.linspace(-1.0, 1.0, steps + 1) * pair.pinion.pitch_angle
+
+
+def _draw(setup: Setup, flanks: Flanks, member: Member, out: Path) -> Rendering:
+    """Draw one tooth under the whole normal force at the outer end of one-pair contact."""
+    pair = setup.pair
+    outline, mate = _outline(flanks, member), _outline(flanks, "wheel" if member == "pinion" else "pinion")
+    lowest = pair.centre_distance * math.sin(pair.working_pressure_angle) - mate.flank_end
+    # One base pitch above the lowest point the next pair takes its share; a tooth without such a point is loaded at its tip.
+    roll = min(lowest + pair.base_pitch, outline.flank_end)
+    u = float(outline.parameter(roll))
+    force = setup.operation.pinion_torque / pair.pinion.base_radius / pair.face_width
+    field = FiniteElements().field(outline, u, force)
+    path = out / f"tooth_{member}.png"
+    write_vtu(field, path.with_suffix(".vtu"))
+    return write_render(field, path, outline=outline)
+
+
+def _numbers(results: Results) -> list[str]:
+    """Return the main numbers of a result, one per line."""
+    values: dict[str, Any] = summarise(results)
+    lines = [f"{results.setup.name}: contact ratio {results.setup.pair.contact_ratio:.4f}"]
+    if results.engagement is not None:
+        stiffness = results.engagement.mesh_stiffness / results.setup.pair.face_width / N_PER_MM_UM
+        lines.append(
+            f"mesh stiffness at {results.engagement.pinion_torque:g} N m: mean {values['mesh_stiffness_mean_N_per_mm_um']:.3f}, "
+            f"least {stiffness.min():.3f}, largest {stiffness.max():.3f} N/(mm um); "
+            f"ISO 6336-1 method B {values['iso6336_c_gamma_alpha_N_per_mm_um']:.3f}"
+        )
+        ratio = f"{values['gear_ratio_min']:.5f} to {values['gear_ratio_max']:.5f}, mean {values['gear_ratio_mean']:.5f}"
+        lines.append(f"gear ratio under this torque: {ratio}")
+    factors = [f"{name} {values[key]:.3f}" for name in ("rigid", "elastic", "classical") if (key := f"dynamic_factor_{name}") in values]
+    if factors:
+        lines.append(f"largest dynamic factor: {', '.join(factors)}")
+    return lines

@@ -1,0 +1,239 @@
+"""The command line: what it writes, and how it fails in one line without a traceback."""
+
+from __future__ import annotations
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from gearfem.cli import main
+from gearfem.cli import steps as work
+from gearfem.cli.listener import Bars
+from gearfem.foundation import SolveError
+
+MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
+COMMANDS = ["run", "compliance", "stiffness", "kinematics", "dynamics", "render", "mesh"]
+
+
+def call(*words: object):
+    """Run one command in this process."""
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a table, its comments left out."""
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    return list(csv.DictReader(lines))
+
+
+# ---- failing ----------------------------------------------------------------------------------------
+
+
+def refused(result, *words: str) -> None:
+    """Check that a command ended by one line on stderr with status 2 and computed nothing."""
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.startswith("error: ")
+    assert "Traceback" not in result.output
+    for word in words:
+        assert word in result.stderr
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_refused_model_ends_in_one_line_and_leaves_nothing(tmp_path, command):
+    out = tmp_path / "out"
+    refused(call(command, MODEL, "--out", out, "--set", "material.poissons_ratio=0.5"), MODEL, "material.poissons_ratio", "0.5")
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("pair.helix_angle_deg=10", "helical gears are not supported"),
+        ("wheel.teeth=-51", "internal gears are not supported"),
+        ("pinion.bore_radius_mm=61", "root radius"),
+        ("pair.face_width_mm=nan", "nan"),
+        ("pinion.profile_shift=-0.5", "contact ratio"),
+        ("pair.fase_width_mm=60", "face_width_mm"),
+        ("effect=[{name='tip_relief'}]", "unworn teeth"),
+        ("nonsense", "key=value"),
+    ],
+)
+def test_overrides_are_checked_as_the_file_is(tmp_path, override, words):
+    refused(call("run", MODEL, "--out", tmp_path, "--set", override), words)
+
+
+def test_a_missing_model_and_a_broken_one_are_one_line(tmp_path):
+    refused(call("run", tmp_path / "none.toml", "--out", tmp_path), "none.toml", "no such file")
+    broken = tmp_path / "broken.toml"
+    broken.write_text("[pair\n")
+    refused(call("run", broken, "--out", tmp_path), "broken.toml", "line 1", "TOML")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_out_that_cannot_be_a_folder_is_refused(tmp_path, command):
+    taken = tmp_path / "taken"
+    taken.write_text("mine")
+    refused(call(command, MODEL, "--out", taken), "--out", "taken")
+    refused(call(command, MODEL, "--out", taken / "below"), "--out", "taken")
+    assert taken.read_text() == "mine"
+
+
+def test_options_out_of_range_are_refused(tmp_path):
+    assert call("stiffness", MODEL, "--out", tmp_path, "--steps", 199).exit_code == 2
+    assert call("compliance", MODEL, "--out", tmp_path, "--support", "hub").exit_code == 2
+    refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "nan"), "--torque", "above 0")
+    refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "-5"), "--torque", "above 0")
+    refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 3), "--dim")
+    refused(call("mesh", MODEL, "--out", tmp_path / "a.stl"), "--out", ".vtu")
+    refused(call("mesh", MODEL, "--out", tmp_path, "--resolution", 0.5), "resolution")
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "line"),
+    [
+        (SolveError("no balance after\n60 steps"), 1, "error: no balance after 60 steps\n"),
+        (FloatingPointError("Engagement.force holds a value that is not finite"), 1, "error: Engagement.force holds"),
+        (KeyboardInterrupt(), 130, "interrupted\n"),
+        (PermissionError(13, "Permission denied", "/there"), 1, "error: /there: permission denied\n"),
+    ],
+)
+def test_what_fails_on_the_way_is_one_line_with_its_own_status(tmp_path, monkeypatch, error, status, line):
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(work, "kinematics", fail)
+    result = call("kinematics", MODEL, "--out", tmp_path)
+    assert (result.exit_code, result.stdout) == (status, "")
+    assert result.stderr.startswith(line)
+    assert result.stderr.count("\n") == 1
+
+
+def test_an_unforeseen_error_is_not_hidden(tmp_path, monkeypatch):
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("a defect of the program")
+
+    monkeypatch.setattr(work, "kinematics", fail)
+    assert isinstance(call("kinematics", MODEL, "--out", tmp_path).exception, ZeroDivisionError)
+
+
+def test_interrupting_the_real_program_leaves_no_part_of_a_file(tmp_path):
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, "-m", "gearfem", "run", MODEL, "--out", str(tmp_path)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as process:
+        # Long enough to be within the command, short against the whole run.
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        _, complaint = process.communicate(timeout=60)
+    assert (process.returncode, complaint) == (130, "interrupted\n")
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
+# ---- helping ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_command_explains_itself_with_units_and_an_example(command):
+    text = call(command, "-h").output
+    assert "Units:" in text
+    assert f"gearfem {command} " in text
+    assert call(command, "--help").output == text
+
+
+def test_version_and_module_form():
+    from gearfem import __version__
+
+    assert call("--version").output.strip().endswith(__version__)
+    done = subprocess.run([sys.executable, "-m", "gearfem", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout == f"gearfem {__version__}\n"
+
+
+def test_help_costs_no_validation_and_no_numerics():
+    code = "import sys\nfrom gearfem.cli import main\ntry: main(['run', '-h'])\nfinally: print(*sys.modules, file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"pydantic", "scipy", "skfem", "matplotlib", "pyvista", "rich", "jinja2", "meshio"} & set(done.stderr.split())
+
+
+def test_a_bar_appears_only_for_a_step_that_lasts(monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    with Bars(patience=0.02) as bars:
+        bars("short", 0, 1)
+        bars("short", 1, 1)
+        time.sleep(0.1)
+        assert bars._bar is None
+        bars("long", 0, 2)
+        limit = time.monotonic() + 10.0
+        while bars._bar is None and time.monotonic() < limit:
+            time.sleep(0.01)
+        assert bars._bar is not None
+        bars("long", 2, 2)
+        assert bars._bar is None
+
+
+# ---- writing ----------------------------------------------------------------------------------------
+
+
+def test_stiffness_of_two_torques_and_an_overridden_width(tmp_path):
+    result = call(
+        "stiffness", MODEL, "--out", tmp_path, "--steps", 200, "--torque", 800, "--torque", 1605, "--set", "pair.face_width_mm=60"
+    )
+    assert result.exit_code == 0, result.output
+    table = rows(tmp_path / "mesh_stiffness.csv")
+    assert [float(row["pinion_torque_Nm"]) for row in table] == [800.0] * 201 + [1605.0] * 201
+    angles = [float(row["pinion_angle_rad"]) for row in table[:201]]
+    # Ten digits are written.
+    assert angles == pytest.approx(np.linspace(-2 * np.pi / 16, 2 * np.pi / 16, 201), abs=1e-9)
+    shares = [float(row[name]) for name in row_names(table, "load_share") for row in [table[100]]]
+    assert sum(shares) == pytest.approx(1.0, abs=1e-9)
+    assert "N/(mm um)" in result.stdout
+    assert f"wrote {tmp_path / 'mesh_stiffness.csv'}" in result.stdout
+
+
+def row_names(table: list[dict[str, str]], start: str) -> list[str]:
+    """Return the columns whose names begin with `start`."""
+    return [name for name in table[0] if name.startswith(start)]
+
+
+def test_kinematics_writes_its_table(tmp_path):
+    result = call("kinematics", MODEL, "--out", tmp_path / "new" / "folder", "--steps", 200)
+    assert result.exit_code == 0, result.output
+    table = rows(tmp_path / "new" / "folder" / "kinematics.csv")
+    assert len({row["pinion_angle_rad"] for row in table}) == 201
+
+
+@pytest.mark.parametrize("support", ["bore", "root", "root_chord"])
+def test_compliance_holds_what_it_is_told(tmp_path, support):
+    result = call("compliance", MODEL, "--out", tmp_path, "--support", support)
+    assert result.exit_code == 0, result.output
+    found = {(row["gear"], row["method"], row["support"]) for row in rows(tmp_path / "compliance.csv")}
+    wanted = {(gear, method, support) for gear in ("pinion", "wheel") for method in ("fe_plane_strain", "fe_plane_stress")}
+    assert found == wanted | {("pinion", "castigliano", "root"), ("wheel", "castigliano", "root")}
+
+
+def test_meshes_reach_from_bore_to_tip_in_millimetres(tmp_path):
+    assert call("mesh", MODEL, "--out", tmp_path).exit_code == 0
+    for name, bore, tip in (("pinion", 30.0, 76.17), ("wheel", 60.0, 219.17)):
+        read = meshio.read(tmp_path / f"mesh_{name}.vtu")
+        radius = np.hypot(*read.points[:, :2].T)
+        assert [radius.min(), radius.max()] == pytest.approx([bore, tip], rel=1e-9)
+        assert read.cells[0].type == "quad9"
+        # Nodes lie on the bore exactly; the next row is an element away.
+        assert np.array_equal(read.point_data["held"] == 1.0, radius < bore * (1 + 1e-6))
+
+
+def test_a_mesh_of_one_gear_goes_to_the_file_that_is_named(tmp_path):
+    result = call("mesh", MODEL, "--dim", 2, "--gear", "wheel", "--support", "root", "--out", tmp_path / "tooth.msh")
+    assert result.exit_code == 0, result.output
+    points = meshio.read(tmp_path / "tooth.msh").points
+    assert np.hypot(*points[:, :2].T).min() == pytest.approx(203.4, rel=1e-6)
+    assert os.listdir(tmp_path) == ["tooth.msh"]
