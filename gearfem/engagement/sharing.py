@@ -181,8 +181,7 @@ def _error_slope(system: PairSystem, slope: Array) -> Array:
     matrix = _bordered(system, slope)
     unit = np.zeros((len(slope), matrix.shape[1], 1))
     unit[:, -1] = 1.0
-    change: Array = np.linalg.solve(matrix, unit)[:, -1, 0]
-    return change
+    return np.asarray(np.linalg.solve(matrix, unit)[:, -1, 0], dtype=np.float64)
 
 
 def _respond(system: PairSystem, law: LineLaw, force: Array, error: Array) -> tuple[Array, Array]:
