@@ -13,13 +13,13 @@ from gearfem.compliance.field import Field, make_field
 from gearfem.compliance.load_lines import LoadLines, covered, forces, load_lines, readings
 from gearfem.compliance.patchwork import refuse_folds
 from gearfem.compliance.record import ComplianceCurve, ToothCompliance
-from gearfem.compliance.ring import Ring
+from gearfem.compliance.ring import Ring, one_thread
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.compliance.supports import Bore, Structure, Support
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
 
-OFFSETS = (-2, -1, 1, 2)
+OFFSETS = (-3, -2, -1, 1, 2, 3)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -93,8 +93,9 @@ class FiniteElements(Record):
         InputError, SolveError
             If a position is not on the flank, no crossing lies above the support, or the mesh folds over.
         """
-        section, structure, lines = self._prepare(outline, u)
-        return ComplianceCurve(**self._columns(section, structure, lines))
+        with one_thread():
+            section, structure, lines = self._prepare(outline, u)
+            return ComplianceCurve(**self._columns(section, structure, lines))
 
     def tooth(self, outline: Outline, u: ArrayLike, offsets: tuple[int, ...] = OFFSETS) -> ToothCompliance:
         """Return the compliance over load positions and its coupling to the neighbours, the bore held.
@@ -117,11 +118,12 @@ class FiniteElements(Record):
         """
         if 0 in offsets:
             raise InputError("offsets", offsets, "numbers of neighbours, without 0")
-        section, ring, lines = self._prepare(outline, u)
-        if not isinstance(ring, Ring):
-            raise InputError("support", self.support.name, "bore: a tooth held at its root is not coupled to its neighbours")
-        coupling = ring.coupling(forces(section, lines), offsets)
-        return ToothCompliance(**self._columns(section, ring, lines), offsets=offsets, coupling=coupling)
+        with one_thread():
+            section, ring, lines = self._prepare(outline, u)
+            if not isinstance(ring, Ring):
+                raise InputError("support", self.support.name, "bore: a tooth held at its root is not coupled to its neighbours")
+            coupling = ring.coupling(forces(section, lines), offsets)
+            return ToothCompliance(**self._columns(section, ring, lines), offsets=offsets, coupling=coupling)
 
     def error(self, outline: Outline, u: ArrayLike) -> Array:
         """Estimate the relative error of `curve` at each of its positions.
@@ -172,10 +174,11 @@ class FiniteElements(Record):
         """
         lines = load_lines(outline, u)
         section = self._mesh(outline)
-        structure = self._structure(outline, section)
         beside = min(neighbours, (outline.gear.teeth - 1) // 2) if len(section.upper) else 0
         offsets = tuple(range(-beside, beside + 1))
-        moved = structure.displacements(force_per_width * forces(section, lines), offsets)[:, :, 0]
+        with one_thread():
+            structure = self._structure(outline, section)
+            moved = structure.displacements(force_per_width * forces(section, lines), offsets)[:, :, 0]
         return make_field(section, moved, outline, self.plane, lines, force_per_width)
 
     # ---- steps ------------------------------------------------------------------------------------------

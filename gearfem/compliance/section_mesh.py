@@ -11,7 +11,7 @@ import numpy as np
 
 from gearfem.compliance.patchwork import Ids, Patchwork, join, straight, transfinite
 from gearfem.flank import Outline
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import Array, InputError
 
 # Where three patches meet on the fillet: its normal has turned through half its range there.
 MEETING = 1.5
@@ -90,7 +90,9 @@ def outline_nodes(outline: Outline, breaks: tuple[float, ...], resolution: float
             continue
         measure = length / size
         if 1.0 <= start < 2.0:
-            measure = measure + np.abs(np.diff(np.unwrap(np.arctan2(*outline.normal(u).T[::-1])))) / TURN
+            # An undercut ends in a corner: its end must not be counted as a turn.
+            normal = outline.normal(np.minimum(u, np.nextafter(2.0, 1.0)))
+            measure = measure + np.abs(np.diff(np.unwrap(np.arctan2(normal[:, 1], normal[:, 0])))) / TURN
         measure = np.concatenate([[0.0], np.cumsum(measure)])
         count = 2 * _count(measure[-1], resolution)
         parts.append(np.interp(np.arange(1, count + 1) / count * measure[-1], measure, u))
@@ -108,9 +110,8 @@ def _depths(top: float, bottom: float, first: float, resolution: float) -> Array
     return radii
 
 
-def _polar(radius: float, angle: Array) -> Array:
-    points: Array = radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    return points
+def _polar(radius: float | Array, angle: Array) -> Array:
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
 
 
 def _even(count: int) -> Array:
@@ -118,7 +119,7 @@ def _even(count: int) -> Array:
 
 
 def _tooth_patch(outline: Outline, foot: float, axis: float, resolution: float) -> tuple[Array, Array, Array]:
-    """Return the patch of the tooth above the line from outline point `foot` to (axis, 0).
+    """Return the patch of the tooth above a spiral from outline point `foot` to (axis, 0).
 
     The first direction runs from the axis to the outline, the second from the foot to the tip. Also the parameters
     of the nodes on the outline side and, from the tip round inwards, on the top.
@@ -133,9 +134,12 @@ def _tooth_patch(outline: Outline, foot: float, axis: float, resolution: float) 
     lid[0] = outline.gear.tip_radius, 0.0
     height = (right[:, 0] - right[0, 0]) / (right[-1, 0] - right[0, 0])
     share = 0.5 * (height + np.linspace(0.0, 1.0, len(side)))
-    low = np.array([axis, 0.0])
-    floor = straight(low, right[0], np.linspace(0.0, 1.0, len(top)))
-    return transfinite(floor, right, lid, straight(low, lid[0], share)), side, top
+    # In polar coordinates the floor follows the circles below it, and leaves a layer above them however thin the rim is.
+    part = np.linspace(0.0, 1.0, len(top))
+    radius = axis + (np.hypot(*right[0]) - axis) * part
+    floor = _polar(radius, math.atan2(right[0, 1], right[0, 0]) * part)
+    floor[-1] = right[0]
+    return transfinite(floor, right, lid, straight(floor[0], lid[0], share)), side, top
 
 
 # ---- meshes -----------------------------------------------------------------------------------------
@@ -173,7 +177,8 @@ def sector_mesh(outline: Outline, resolution: float) -> SectionMesh:
     meeting = outline.point(MEETING)
     depth = min(0.9 * gear.module, 0.5 * (gear.root_radius - gear.bore_radius))
     seam = gear.root_radius - depth
-    axis = meeting[0] - min(0.45 * meeting[1], 0.5 * (meeting[0] - seam))
+    # The first gives each of the three patches a third of the straight angle; a thin rim leaves less room.
+    axis = max(meeting[0] - 0.45 * meeting[1], 0.5 * (np.hypot(*meeting) + seam))
     tooth, side, top = _tooth_patch(outline, MEETING, axis, resolution)
     root = outline_nodes(outline, (0.0, 1.0, MEETING), resolution, SIZE * gear.module)
     space = outline.point(root)[::-1]
@@ -230,11 +235,9 @@ def root_mesh(outline: Outline, resolution: float, chord: bool) -> SectionMesh:
     one corner, but with a positive Jacobian at every point of integration.
     """
     gear = outline.gear
-    foot, end = outline.point(2.0), outline.point(1.0)
+    end = outline.point(1.0)
     base = end[0] if chord else gear.root_radius
-    if foot[0] <= base:
-        raise SolveError("the involute starts below the root circle on the tooth's axis; choose support bore, or a larger rack tip radius")
-    tooth, side, top = _tooth_patch(outline, 2.0, foot[0], resolution)
+    tooth, side, top = _tooth_patch(outline, 2.0, outline.form_radius, resolution)
     fillet = outline_nodes(outline, (1.0, 2.0), resolution, SIZE * gear.module)
     part = np.linspace(0.0, 1.0, len(top))
     clamp = straight(np.array([base, 0.0]), end, part) if chord else _polar(gear.root_radius, math.atan2(end[1], end[0]) * part)
