@@ -51,7 +51,7 @@ def _gear_ratio(values: Values) -> str:
 def _velocities(values: Values) -> str:
     return (
         "Speed of the contact point along both flanks at the nominal pinion speed, and the difference, the sliding: "
-        "negative in approach, zero at the pitch point, positive in recess."
+        "negative in approach, zero at the pitch point, positive in recess. Thin lines: a tip edge touches before or behind the path."
     )
 
 

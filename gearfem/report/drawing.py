@@ -86,4 +86,4 @@ def _line_of_action(axis: Axes, pair: GearPair) -> None:
     touching = [k * pair.base_pitch for k in range(-2, 3) if -pair.approach_length <= k * pair.base_pitch <= pair.recess_length]
     points = (pitch_point + np.array(touching)[:, None] * along) / MM
     axis.plot(*points.T, "o", color="white", markeredgecolor=style.INK, markersize=5)
-    axis.annotate("C", (first / MM, 0.0), xytext=(8, -11), textcoords="offset points", weight="bold")
+    axis.annotate("C", (first / MM, 0.0), xytext=(9, -15), textcoords="offset points", weight="bold")

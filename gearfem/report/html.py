@@ -27,8 +27,11 @@ FILES = {
     "rigid.csv": "motion of the rigid model",
     "elastic.csv": "steady motion of the elastic model",
     "classical.csv": "steady motion of the classical model",
+    "tooth_pinion.vtu": "displacement and stress of the loaded pinion tooth, for ParaView",
+    "tooth_wheel.vtu": "displacement and stress of the loaded wheel tooth, for ParaView",
 }
 
+WIDE = ("compliance", "dynamic_factor")
 SPECIFIC, PAPER = "N/(mm·µm)", "Wojnarowski & Onishchenko 2003: within 10 %"
 ISO_SINGLE = Markup("ISO 6336-1, method B: <i>c</i>&prime;")
 ISO_MESH = Markup("ISO 6336-1, method B: <i>c</i><sub>&gamma;&alpha;</sub>")
@@ -157,9 +160,7 @@ def _number(value: Any, form: str) -> str:
 
 def _pictures(values: Mapping[str, Any], drawn: Mapping[str, Path], rendering: Rendering | None) -> list[Picture]:
     found = [
-        Picture(title, caption(values), _inline(drawn[name]), name == "compliance")
-        for name, (title, caption) in CAPTIONS.items()
-        if name in drawn
+        Picture(title, caption(values), _inline(drawn[name]), name in WIDE) for name, (title, caption) in CAPTIONS.items() if name in drawn
     ]
     if rendering is not None:
         text = f"{rendering.title}. The line is the undeformed outline; the arrow is the load."

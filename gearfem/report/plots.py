@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearfem.definition.setup import Member
+from gearfem.foundation import Array
 from gearfem.foundation.units import MM, N_PER_UM, UM, UM_PER_N_PER_MM
 from gearfem.pipeline import Results
 from gearfem.report import style
@@ -89,9 +90,9 @@ def plot_stiffness(results: Results) -> Figure:
     return figure
 
 
-def _over_angle(results: Results, label: str, rows: int = 1) -> tuple[Figure, list[Axes]]:
+def _over_angle(results: Results, label: str, rows: int = 1, size: tuple[float, float] = style.SINGLE) -> tuple[Figure, list[Axes]]:
     """Return a figure over the pinion angle, the zones shaded where an engagement is known."""
-    figure, axes = style.make_figure(style.SINGLE, rows=rows)
+    figure, axes = style.make_figure(size, rows=rows)
     for number, axis in enumerate(axes):
         if results.engagement is not None:
             style.shade_zones(axis, results.engagement, results.setup.pair.pinion.pitch_angle, labels=number == 0)
@@ -186,12 +187,19 @@ def plot_velocities(results: Results) -> Figure:
     contacts, speed = engagement.contacts, results.setup.operation.pinion_speed
     figure, (axis,) = _over_angle(results, "velocity of pair 0, m/s")
     column = contacts.pairs.index(0)
-    held = engagement.force[:, column] > 0.0
-    x = contacts.pinion_angle[held] / results.setup.pair.pinion.pitch_angle
+    x = contacts.pinion_angle / results.setup.pair.pinion.pitch_angle
+    held, straight = engagement.force[:, column] > 0.0, contacts.gap[:, column] == 0.0
+    # At a corner the contact stands still on the tip and runs along the mate: parts of their own, not a curve with jumps.
+    parts = ((held & straight, 1.5), (held & ~straight & (x < 0.0), 0.8), (held & ~straight & (x > 0.0), 0.8))
     axis.axhline(0.0, color=style.GREY, linewidth=0.7)
-    axis.plot(x, contacts.rolling_velocity1[held, column] * speed, color=style.BLUE, label="rolling, pinion")
-    axis.plot(x, contacts.rolling_velocity2[held, column] * speed, color=style.VERMILION, linestyle="--", label="rolling, wheel")
-    axis.plot(x, contacts.sliding_velocity[held, column] * speed, color=style.INK, linestyle="-.", label="sliding")
+    for name, velocity, colour, line in (
+        ("rolling, pinion", contacts.rolling_velocity1, style.BLUE, "-"),
+        ("rolling, wheel", contacts.rolling_velocity2, style.VERMILION, "--"),
+        ("sliding", contacts.sliding_velocity, style.INK, "-."),
+    ):
+        for part, width in parts:
+            label = name if width > 1.0 else None
+            axis.plot(x[part], velocity[part, column] * speed, color=colour, linestyle=line, linewidth=width, label=label)
     style.legend_below(figure, axis)
     return figure
 
@@ -233,7 +241,7 @@ def plot_dynamic_factor(results: Results) -> Figure:
     Figure
     """
     pitch = results.setup.pair.pinion.pitch_angle
-    figure, (axis,) = _over_angle(results, "dynamic factor $K_w$")
+    figure, (axis,) = _over_angle(results, "dynamic factor $K_w$", size=style.WIDE)
     models = (
         ("classical", results.classical, style.INK, ":"),
         ("rigid", results.rigid, style.VERMILION, "--"),
@@ -244,8 +252,23 @@ def plot_dynamic_factor(results: Results) -> Figure:
             largest = float(motion.dynamic_factor.max())
             x, y = style.two_pitches(motion.pinion_angle, motion.dynamic_factor, pitch)
             axis.plot(x, y, color=colour, linestyle=line, label=f"{name}, largest {largest:.3f}")
+    _keep_readable(axis, [motion.dynamic_factor for motion in (results.elastic, results.classical) if motion is not None])
     style.legend_below(figure, axis)
     return figure
+
+
+def _keep_readable(axis: Axes, shown: list[Array]) -> None:
+    """Let spikes of the rigid model leave the picture, and say so, where they would flatten the other curves."""
+    low, high = axis.get_ylim()
+    if not shown:
+        return
+    least, largest = min(values.min() for values in shown), max(values.max() for values in shown)
+    room = 1.5 * (largest - least) + 0.2
+    if low < least - room or high > largest + room:
+        axis.set_ylim(max(low, least - room), min(high, largest + room))
+        note = "spikes of the rigid model leave the picture"
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 2.0}
+        axis.text(0.99, 0.03, note, transform=axis.transAxes, ha="right", fontsize=8.0, color=style.GREY, bbox=box)
 
 
 PICTURES: dict[str, tuple[Callable[[Results], Figure], Callable[[Results], bool]]] = {

@@ -196,7 +196,7 @@ def _upright(vectors: Array) -> Array:
 
 
 BAR = "von Mises stress, MPa"
-LIMIT = "colours end at the largest stress away from the line load, under which it has no limit"
+LIMIT = "Colours end at the largest stress away from the load, under which it has no limit."
 
 
 def _draw_pyvista(scene: _Scene, path: Path) -> None:
@@ -217,7 +217,7 @@ def _draw_pyvista(scene: _Scene, path: Path) -> None:
         "width": 0.08,
         "height": 0.27,
     }
-    bar |= {"color": "black", "n_labels": 5, "fmt": "%.0f", "title_font_size": 22, "label_font_size": 22}
+    bar |= {"color": "black", "n_labels": 5, "fmt": "%.0f", "title_font_size": 28, "label_font_size": 28}
     plotter.add_mesh(mesh, scalars=BAR, cmap="viridis", clim=(0.0, scene.limit), lighting=False, scalar_bar_args=bar)
     edges = pyvista.PolyData(_lift(scene.moved, 0.005 * scene.reach), lines=_counted(scene.loops))
     plotter.add_mesh(edges, color="white", opacity=0.35, line_width=1.0, lighting=False)
@@ -233,8 +233,9 @@ def _draw_pyvista(scene: _Scene, path: Path) -> None:
         shaft_radius=0.022,
     )
     plotter.add_mesh(arrow, color="#D55E00", lighting=False)
-    plotter.add_text(scene.title, position=(40, WINDOW[1] - 60), font_size=14, color="black")
-    plotter.add_text(LIMIT, position=(40, WINDOW[1] - 100), font_size=10, color="#555555")
+    title = scene.title.replace("; ", "\n").replace("largest", "Largest")
+    plotter.add_text(title, position=(40, WINDOW[1] - 100), font_size=17, color="black")
+    plotter.add_text(LIMIT, position=(40, WINDOW[1] - 145), font_size=12, color="#555555")
     middle = _lift(scene.centre, 0.0)
     plotter.camera_position = [_lift(scene.centre, 10.0 * scene.reach), middle, (0.0, 1.0, 0.0)]
     plotter.enable_parallel_projection()

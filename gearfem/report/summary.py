@@ -99,9 +99,7 @@ def summarise(results: Results) -> dict[str, Any]:
 
     Notes
     -----
-    The mean gear ratio is taken over the wheel's angle, weight dphi2 = dphi1/i: over whole pitches it is then
-    z2/z1 for any loading, up to the quadrature of the stored angles. c' of ISO 6336-1 method B includes
-    C_M, C_R and C_B.
+    c' of ISO 6336-1 method B includes C_M, C_R and C_B.
     """
     iso = iso_stiffness(results.setup)
     values = {**_geometry(results.setup.pair), **_iso(iso)}
@@ -162,7 +160,7 @@ def _engagement(setup: Setup, engagement: Engagement) -> dict[str, Any]:
         "gear_ratio_nominal": setup.pair.ratio,
         "gear_ratio_min": engagement.gear_ratio.min(),
         "gear_ratio_max": engagement.gear_ratio.max(),
-        "gear_ratio_mean": 1.0 / mean_over_pitches(angle, 1.0 / engagement.gear_ratio, pitch),
+        "gear_ratio_mean": mean_gear_ratio(setup.pair, engagement),
         "transmission_error_peak_to_peak_um": np.ptp(engagement.transmission_error),
     }
 
@@ -187,15 +185,50 @@ def mean_over_pitches(angle: Array, values: Array, pitch: float) -> float:
     ValueError
         If the angles cover less than one pitch.
     """
-    # One part in a million of a pitch forgives the rounding of an angle that should end on a whole pitch.
-    pitches = int((angle[-1] - angle[0]) / pitch + 1e-6)
-    if pitches < 1:
-        raise ValueError(f"angles over {(angle[-1] - angle[0]) / pitch:.3f} pitches, where a mean needs at least one whole pitch")
-    end = min(angle[0] + pitches * pitch, angle[-1])
+    end = _last_whole_pitch(angle, pitch)
     inside = angle < end
     x = np.append(angle[inside], end)
     y = np.append(values[inside], np.interp(end, angle, values))
     return float(np.trapezoid(y, x) / (end - angle[0]))
+
+
+def _last_whole_pitch(angle: Array, pitch: float) -> float:
+    # One part in a million of a pitch forgives the rounding of an angle that should end on a whole pitch.
+    pitches = int((angle[-1] - angle[0]) / pitch + 1e-6)
+    if pitches < 1:
+        raise ValueError(f"angles over {(angle[-1] - angle[0]) / pitch:.3f} pitches, where a mean needs at least one whole pitch")
+    return float(min(angle[0] + pitches * pitch, angle[-1]))
+
+
+def mean_gear_ratio(pair: GearPair, engagement: Engagement) -> float:
+    """Return the mean of the gear ratio under load over the wheel's angle, for whole pitches.
+
+    Parameters
+    ----------
+    pair : GearPair
+        The gears.
+    engagement : Engagement
+        One torque.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        If the angles cover less than one pitch.
+
+    Notes
+    -----
+    With i = dphi1/dphi2 the integral of i dphi2 is the pinion's turn, so the mean is the quotient of both turns;
+    the wheel's is phi1 z1/z2 less its lag e/r_b2. It is z2/z1 if and only if the transmission error is periodic.
+    """
+    angle, lag = engagement.contacts.pinion_angle, engagement.transmission_error
+    end = _last_whole_pitch(angle, pair.pinion.pitch_angle)
+    turn = end - angle[0]
+    change = float(np.interp(end, angle, lag)) - lag[0]
+    return float(turn / (turn / pair.ratio - change / pair.wheel.base_radius))
 
 
 def _dynamics(results: Results) -> dict[str, Any]:

@@ -152,7 +152,14 @@ def test_compliance_columns_and_units(results, tmp_path):
     }  # fmt: skip
     # By hand: 4e-12 m per N/m = 4e-6 um per N/m = 4e-3 um per N/mm.
     assert float(columns["deflection_um_per_N_per_mm"][0]) == pytest.approx(4e-3, rel=1e-9)
-    assert float(columns["radius_mm"].astype(float).max()) == pytest.approx(219.17, rel=1e-9)
+
+
+def test_compliance_of_chosen_methods_alone(results, tmp_path):
+    alone = Results(setup=results.setup, flanks=results.flanks, comparison=results.comparison[:1])
+    _, _, columns = read(write_compliance(alone, tmp_path))
+    assert set(columns["support"]) == {"root"}
+    with pytest.raises(ValueError, match="hold no compliance"):
+        write_compliance(Results(setup=results.setup, flanks=results.flanks), tmp_path)
 
 
 def test_stiffness_columns_and_units(results, tmp_path):
@@ -226,10 +233,26 @@ def test_summary_has_every_key_as_finite_json(results, tmp_path):
     assert values["dynamic_factor_elastic"] == pytest.approx(1.4)
     assert values["castigliano_over_fe_min"] == pytest.approx(1.05)
     assert values["castigliano_over_fe_max"] == pytest.approx(1.05)
-    # The means over pinion and wheel angle differ by half the square of the amplitude, 1.6e-6; the sine has none on 100 steps.
-    mean = 51.0 / 16.0 * math.sqrt(1.0 - 1e-6)
-    assert values["gear_ratio_mean"] == pytest.approx(mean, rel=1e-12)
+    # The transmission error repeats, so both turns are in the ratio of the teeth to rounding error.
+    assert values["gear_ratio_mean"] == pytest.approx(51.0 / 16.0, rel=1e-14)
     assert values["assumptions"][:2] == list(results.assumptions)
+
+
+def test_mean_gear_ratio_sees_a_wheel_that_falls_back(results):
+    engagement = results.engagement
+    angle = engagement.contacts.pinion_angle
+    drift = np.linspace(0.0, 1e-4, angle.size)
+    slipping = dataclasses.replace(engagement, transmission_error=engagement.transmission_error + drift)
+    mean = summarise(dataclasses.replace(results, engagement=slipping))["gear_ratio_mean"]
+    # By hand: two pitches of the pinion, pi/4 rad, and those of the wheel, 4 pi/51, less 0.1 mm on r_b2 = 191.697 mm.
+    assert mean == pytest.approx((math.pi / 4.0) / (4.0 * math.pi / 51.0 - 0.1 / 191.697), rel=1e-6)
+
+
+def test_loads_on_the_tip_round_are_left_out(results, tmp_path):
+    _, _, columns = read(write_compliance(results, tmp_path))
+    # The involute ends above the inner circle of the tip round, 0.16 mm below the tip circle.
+    largest = columns["radius_mm"][columns["gear"] == "pinion"].astype(float).max()
+    assert 76.01 < largest < 76.17
 
 
 def test_summary_of_part_of_the_chain(results):
