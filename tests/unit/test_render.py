@@ -10,11 +10,14 @@ import meshio
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from matplotlib.path import Path as Polygon
 
 from gearfem.compliance.field import Field
-from gearfem.flank import Outline
+from gearfem.flank import Outline, make_flanks
 from gearfem.foundation import InputError
+from gearfem.pipeline import Results
 from gearfem.report import render, write_render, write_vtu
+from gearfem.report.outlines import engaged_outlines
 
 # Biquadratic element in VTK's order: corners, mid-sides, centre, as (across, up) on a lattice of nodes.
 LATTICE = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1))
@@ -116,3 +119,23 @@ def test_smaller_cells_cover_the_element_once(field, outline):
     assert (np.sign(area) == np.sign(area[0])).all()
     # The strip is 10 mm wide from 60.4 to 76.17 mm; its displacement shears it and keeps the area.
     assert abs(area.sum()) == pytest.approx(10.0 * (76.17 - field.nodes[:, 0].min() * 1e3), rel=1e-9)
+
+
+def test_drawn_gears_touch_at_the_pitch_point_and_nowhere_overlap(coal_combine):
+    results = Results(setup=coal_combine, flanks=make_flanks(coal_combine))
+    pinion, wheel = engaged_outlines(results)
+    pitch_point = np.array([281.57e-3 * 16.0 / 67.0, 0.0])
+    for drawn in (pinion, wheel):
+        # Half the distance of neighbouring points, which lie 0.34 mm apart on the longer flank.
+        assert np.hypot(*(drawn - pitch_point).T).min() < 0.2e-3
+    solid = Polygon(np.concatenate([pinion, [[0.0, 0.0]]]))
+    near = wheel[np.hypot(*(wheel - pitch_point).T) < 30e-3]
+    # The chords of the drawing cut 0.5 um off; the polygon moved in by 2 um must stay clear.
+    assert len(near) > 100
+    assert not solid.contains_points(near, radius=-2e-6 * orientation(pinion)).any()
+
+
+def orientation(points: np.ndarray) -> float:
+    """Return +1 for a polygon that runs counter-clockwise around the origin, else -1."""
+    ahead = np.roll(points, -1, axis=0)
+    return float(np.sign(np.sum(points[:-1, 0] * ahead[:-1, 1] - points[:-1, 1] * ahead[:-1, 0])))
