@@ -60,7 +60,12 @@ def test_a_resolution_too_coarse_is_refused(resolution: float) -> None:
 
 def test_no_error_estimate_without_a_coarser_mesh(wheel: Outline) -> None:
     with pytest.raises(InputError, match="coarser"):
-        FiniteElements(resolution=1.0).error(wheel, [2.5])
+        FiniteElements(resolution=1.4).error(wheel, [2.5])
+
+
+def test_more_neighbours_than_the_gear_has_are_refused(wheel: Outline) -> None:
+    with pytest.raises(InputError, match="0 to 25"):
+        FiniteElements(resolution=1.0).field(wheel, 2.5, 1e5, neighbours=26)
 
 
 def test_a_bore_outside_the_root_is_refused(gear_factory) -> None:
