@@ -23,14 +23,15 @@ from gearfem.placement import make_placement
 Stage = Literal["flank", "compliance", "engagement", "dynamics"]
 STAGES: tuple[Stage, ...] = ("flank", "compliance", "engagement", "dynamics")
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
-# The transition from one pair to two takes a twentieth of a pitch; forty steps across it settle the rigid model.
+# The transition from one pair to two takes a twentieth of a pitch, forty of these steps.
 RIGID_STEPS = 800
 
 METHOD_ASSUMPTIONS = (
     "Plane strain across the whole face width; the load is uniform along it.",
     "Each gear is a disc with a solid web, held rigidly on its bore; shafts and bearings do not yield.",
     "The contact is Hertz's line contact; below it, each tooth yields as a half space down to its centreline.",
-    "The rigid model takes the gear ratio under the operation torque, the elastic model the unloaded one.",
+    "The rigid model takes the ratio of the forces under the operation torque, which changes hands over a finite angle; "
+    "the elastic model takes the unloaded ratio, since its own deflection adds the rest.",
     "All teeth are equal and perfectly spaced.",
 )
 
@@ -121,7 +122,7 @@ def run(
     if last >= STAGES.index("compliance"):
         results = _with_compliance(results, comparison, progress)
     if last >= STAGES.index("engagement"):
-        results = _with_engagement(results, torque or setup.operation.pinion_torque, angles)
+        results = _with_engagement(results, setup.operation.pinion_torque if torque is None else torque, angles)
     if last >= STAGES.index("dynamics"):
         results = _with_dynamics(results, progress)
     return results
@@ -191,7 +192,7 @@ def _with_dynamics(results: Results, progress: Progress) -> Results:
     torque = setup.operation.pinion_torque
     forces = mesh_force(results.mesh, torque)
     positions = np.arange(RIGID_STEPS) / RIGID_STEPS * pitch
-    rigid = rigid_motion(positions, engage(results.mesh, positions, torque).gear_ratio, pitch, drive)
+    rigid = rigid_motion(positions, engage(results.mesh, positions, torque).gear_ratio_force, pitch, drive)
     transport = unloaded_transport(forces, drive)
     elastic = elastic_motion(forces, drive, transport, progress=progress)
     discs = tuple(gear.disc_inertia(setup.pair.face_width) for gear in (setup.pair.pinion, setup.pair.wheel))

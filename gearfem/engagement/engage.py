@@ -13,7 +13,7 @@ from gearfem.engagement.record import Contacts, Engagement, MeshForce
 from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
 from gearfem.engagement.teeth import read_compliance
 from gearfem.flank import Flanks
-from gearfem.foundation import Array, Record
+from gearfem.foundation import Array, InputError, Record
 from gearfem.placement import Placement
 
 # A ten-thousandth of a pitch: the rounding of a difference over it stays below 1e-7 of the ratio.
@@ -86,6 +86,8 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
 
     Raises
     ------
+    InputError
+        If the torque is not positive.
     SolveError
         If any angle does not converge.
 
@@ -95,6 +97,8 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     wheel by l1/l2), loaded by the central difference of the transmission error over 2e-4 pitches, which
     replaces a kink by its mean over that width. Physics: Wojnarowski & Onishchenko (2003), sections 2 and 3.
     """
+    if not torque > 0.0:
+        raise InputError("pinion torque", f"{torque:g} N m", "a positive torque: without one nothing holds the flanks together")
     pair = mesh.placement.pair
     small = DIFFERENCE * pair.pinion.pitch_angle
     shared = {shift: _share(mesh, pinion_angle + shift * small, torque) for shift in (-1, 0, 1)}
