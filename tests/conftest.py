@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 from gearfem.definition.setup import Gear, GearPair, Material, Operation, Rack, Setup
+from gearfem.dynamics import DriveTrain
+from gearfem.engagement.record import MeshForce
 
 
 def make_gear(teeth: int, module: float, tip_radius: float, profile_shift: float = 0.0, **changes: object) -> Gear:
@@ -81,3 +85,52 @@ def small_pair() -> Setup:
         damping_ratio=0.06,
     )
     return Setup(name="20/30", pair=pair, operation=operation)
+
+
+def make_mesh(teeth: int, radii: tuple[float, float], stiffness: Callable[[np.ndarray], np.ndarray], **changes: object) -> MeshForce:
+    """Return analytic tables: P = C(phi) (e - e_u(phi)) on constant arms; friction arms h1, h2 by `friction(phi)`."""
+    period = 2.0 * math.pi / teeth
+    count = changes.pop("angles", 256)
+    angle = period * (np.arange(count) + changes.pop("offset", 0.0)) / count
+    columns = changes.pop("columns", np.linspace(0.0, 60e-6, 25))
+    unloaded = changes.pop("unloaded", np.zeros_like)(angle)
+    force = stiffness(angle)[:, None] * np.maximum(columns - unloaded[:, None], 0.0)
+    arm1, arm2 = changes.pop("friction", lambda phi: (0.0 * phi, 0.0 * phi))(angle)
+    values: dict[str, object] = {
+        "pinion_angle": angle,
+        "period": period,
+        "deflection": columns,
+        "normal_force": force,
+        "pinion_moment": radii[0] * force,
+        "wheel_moment": radii[1] * force,
+        "pinion_friction": arm1[:, None] * force,
+        "wheel_friction": arm2[:, None] * force,
+        "unloaded_error": unloaded,
+        "sliding_reversals": np.empty(0),
+        "base_radius1": radii[0],
+        "base_radius2": radii[1],
+        "normal_backlash": 1.0,
+        "mean_stiffness": float(stiffness(angle).mean()),
+    }
+    return MeshForce(**{**values, **changes})
+
+
+@pytest.fixture(scope="session")
+def mesh_factory():
+    """The function that makes analytic force tables for the dynamics."""
+    return make_mesh
+
+
+@pytest.fixture(scope="session")
+def coal_drive() -> DriveTrain:
+    """Drive of the coal combine pair, without tooth friction."""
+    return DriveTrain(
+        pinion_inertia=10.16,
+        wheel_inertia=6.72,
+        pinion_torque=1605.0,
+        wheel_torque=4911.0,
+        efficiency=0.96,
+        pinion_speed=53.0,
+        friction_coefficient=0.0,
+        damping_ratio=0.18,
+    )

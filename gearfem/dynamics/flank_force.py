@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +33,9 @@ class FlankForce(Record):
         friction arms 1 and 2 [m] with their jumps taken out.
     reversals : ndarray, shape (k,)
         Angles of the jumps [rad].
-    jumps : ndarray, shape (k, m - 1, 4, 2)
-        Jump of the two friction arms at each reversal, in powers of the place in the deflection cell [m].
+    jumps : ndarray, shape (k, 3, m - 1, 4, 2)
+        Jumps of the two friction arms and of their first two slopes over the angle at each reversal, in powers of the
+        place in the deflection cell [m, m/rad, m/rad2].
     """
 
     start: float
@@ -76,10 +78,10 @@ class FlankForce(Record):
         slopes = ((3.0 * cubic[..., 3, :] * s + 2.0 * cubic[..., 2, :]) * s + cubic[..., 1, :]) / width[..., None]
         if friction:
             for reversal, jump in zip(self.reversals, self.jumps, strict=True):
-                tooth = _sawtooth(angle, middle, reversal, self.period)[..., None]
-                c = jump[column]
-                values[..., 3:] += tooth * (((c[..., 3, :] * s + c[..., 2, :]) * s + c[..., 1, :]) * s + c[..., 0, :])
-                slopes[..., 3:] += tooth * ((3.0 * c[..., 3, :] * s + 2.0 * c[..., 2, :]) * s + c[..., 1, :]) / width[..., None]
+                teeth = _sawteeth(angle, middle, reversal, self.period)
+                c = sum(tooth[..., None, None] * rise[column] for tooth, rise in zip(teeth, jump, strict=True))
+                values[..., 3:] += ((c[..., 3, :] * s + c[..., 2, :]) * s + c[..., 1, :]) * s + c[..., 0, :]
+                slopes[..., 3:] += ((3.0 * c[..., 3, :] * s + 2.0 * c[..., 2, :]) * s + c[..., 1, :]) / width[..., None]
         beyond = deflection - inside
         values[..., 0] += slopes[..., 0] * beyond
         slopes[..., 1:] *= (beyond == 0.0)[..., None]
@@ -107,9 +109,10 @@ def flank_force(mesh: MeshForce) -> FlankForce:
     -----
     Each row is moved to start at its own unloaded error. Over the angle periodic cubic splines, over the deflection
     cubic pieces with the slopes of parabolas through three knots: h^4 and h^3 for a smooth table, h where a pair enters.
-    All is linear in the tables, so proportional tables stay proportional. Friction arms jump at the reversals:
-    the jump is the difference of the parabolas through three samples on either side (h^3), it is taken out as a
-    sawtooth and put back exactly at the stated angle; a sample on a reversal itself is not used.
+    All is linear in the tables, so proportional tables stay proportional. Friction arms jump at the reversals, and so do
+    their slopes: the jumps are the differences of the parabolas through three samples on either side (h^3), they are
+    taken out as periodic sawteeth (Bernoulli polynomials) and put back exactly at the stated angle; a sample on a
+    reversal itself is not used.
     """
     knots = _knots(mesh)
     tables = _moved(mesh, knots)
@@ -128,7 +131,7 @@ def flank_force(mesh: MeshForce) -> FlankForce:
         deflection=knots,
         coefficients=np.moveaxis(_hermite(powers[..., :5], powers[..., 5:], knots), 1, 2),
         reversals=reversals,
-        jumps=_hermite(jumps, np.gradient(jumps, knots, axis=1, edge_order=2), knots),
+        jumps=_hermite(jumps, np.gradient(jumps, knots, axis=2, edge_order=2), knots),
     )
 
 
@@ -174,44 +177,50 @@ def _along(knots: Array, own: Array, force: Array) -> Array:
 
 
 def _take_out_jumps(mesh: MeshForce, tables: Array, reversals: Array) -> Array:
-    """Remove the jumps of the friction arms from `tables` in place and return them, shape (k, m, 2)."""
+    """Remove the jumps of the friction arms and their slopes from `tables` in place and return them, shape (k, 3, m, 2)."""
     count = mesh.pinion_angle.size
-    places = (reversals - mesh.pinion_angle[0]) * count / mesh.period
+    step = mesh.period / count
+    places = (reversals - mesh.pinion_angle[0]) / step
     gaps = np.diff(np.append(places, places[:1] + count))
     if places.size and gaps.min() < 2 * SUPPORT + 1:
         raise InputError(
             "mesh force, sliding_reversals", f"{gaps.min():.1f} angle steps apart", f"at least {2 * SUPPORT + 1}: take more angles"
         )
     friction = tables[:, :, 3:]
-    jumps = np.empty((places.size, tables.shape[1], 2))
+    jumps = np.empty((places.size, SUPPORT, tables.shape[1], 2))
     for k, place in enumerate(places):
-        below = int(np.ceil(place - ON_REVERSAL)) - 1
-        above = int(np.floor(place + ON_REVERSAL)) + 1
-        before = _extrapolate(friction, below - np.arange(SUPPORT), place)
-        after = _extrapolate(friction, above + np.arange(SUPPORT), place)
+        below = math.ceil(place - ON_REVERSAL) - 1
+        above = math.floor(place + ON_REVERSAL) + 1
+        before = _extrapolate(friction, below - np.arange(SUPPORT)[::-1], place, step)
+        after = _extrapolate(friction, above + np.arange(SUPPORT), place, step)
         jumps[k] = after - before
         if above - below == 2:
-            friction[(below + 1) % count] = 0.5 * (before + after)
+            friction[(below + 1) % count] = 0.5 * (before[0] + after[0])
     for reversal, place, jump in zip(reversals, places, jumps, strict=True):
-        tooth = _sawtooth(mesh.pinion_angle, mesh.pinion_angle, reversal, mesh.period)
+        teeth = _sawteeth(mesh.pinion_angle, mesh.pinion_angle, reversal, mesh.period)
         on = round(place)
         if abs(place - on) <= ON_REVERSAL:
-            tooth[on % count] = 0.0
-        friction -= tooth[:, None, None] * jump
+            teeth[0][on % count] = 0.0
+        for tooth, rise in zip(teeth, jump, strict=True):
+            friction -= tooth[:, None, None] * rise
     return jumps
 
 
-def _extrapolate(friction: Array, rows: NDArray[np.int_], place: float) -> Array:
-    """Return the parabola through three samples at `rows`, at the fractional row `place`."""
-    weights = [np.prod([(place - b) / (a - b) for b in rows if b != a]) for a in rows]
-    value: Array = np.tensordot(weights, friction[rows % friction.shape[0]], axes=1)
+def _extrapolate(friction: Array, rows: NDArray[np.int_], place: float, step: float) -> Array:
+    """Return value, slope and curvature over the angle, shape (3, m, 2), of the parabola through three rows, at a fractional row."""
+    basis = np.linalg.inv(np.vander(rows - place, SUPPORT, increasing=True))
+    scale = np.array([1.0, 1.0, 2.0]) / step ** np.arange(SUPPORT)
+    value: Array = np.tensordot(scale[:, None] * basis, friction[rows % friction.shape[0]], axes=1)
     return value
 
 
-def _sawtooth(angle: Array, middle: Array | float, reversal: float, period: float) -> Array:
-    """Return the periodic function that rises by 1 at the reversal and falls evenly between, on the side of `middle`."""
-    tooth: Array = 0.5 - (angle - reversal) / period + np.floor((middle - reversal) / period)
-    return tooth
+def _sawteeth(angle: Array, middle: Array | float, reversal: float, period: float) -> tuple[Array, Array, Array]:
+    """Return periodic functions whose value, slope or curvature alone rises by 1 at the reversal, on the side of `middle`.
+
+    -period^n B_{n+1}(t)/(n+1)!, B the Bernoulli polynomials, t the place in the period after the reversal.
+    """
+    t = np.asarray((angle - reversal) / period - np.floor((middle - reversal) / period))
+    return 0.5 - t, -period * (t * (t - 1.0) + 1.0 / 6.0) / 2.0, -(period**2) * t * (t - 0.5) * (t - 1.0) / 6.0
 
 
 def _hermite(values: Array, slopes: Array, knots: Array) -> Array:

@@ -77,7 +77,10 @@ def _newton(system: RelativeMotion, guess: Array, tolerance: float, progress: Pr
         if np.abs(miss).max() <= CLOSED * tolerance:
             progress("orbit", NEWTON_STEPS, NEWTON_STEPS)
             return guess, cycle, matrix, float(np.abs(miss).max())
-        move = np.linalg.solve(matrix[:3][:, [0, 1, 3]] - np.diag([1.0, 1.0, 0.0]), -miss)
+        try:
+            move = np.linalg.solve(matrix[:3][:, [0, 1, 3]] - np.diag([1.0, 1.0, 0.0]), -miss)
+        except np.linalg.LinAlgError:
+            break
         for fraction in (1.0, 0.5, 0.25, 0.125):
             trial, attempt = _miss(system, guess + fraction * move, tolerance)
             if np.abs(attempt).max() < np.abs(miss).max():

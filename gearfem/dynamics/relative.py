@@ -65,7 +65,7 @@ class RelativeMotion:
     angles, which they do not quite. J1 psi1'' = T1 - M1, J2 psi2'' = M2 - T2 with M_i = P (side a_i + f b_i): the arms
     share P as in the table, and friction keeps its direction on the back flank, since sliding does.
     D = 2 zeta sqrt(C M), M = m1 m2/(m1 + m2), m_i = J_i/r_bi^2. The tables are taken at the transport's angle phi1,
-    which misses the true angle by q1, about X/r_b1.
+    which misses the true angle by q1: about X/r_b1, and more where the drive turns so slowly that the torques swing it.
 
     References
     ----------

@@ -11,6 +11,8 @@ from gearfem.engagement.record import MeshForce
 from gearfem.foundation import Array, InputError, SolveError
 
 FEWEST_SAMPLES = 8
+# Slower than this part of the mean (or where one sample takes half the period), the time is not resolved.
+SLOWEST = 0.05
 
 
 def rigid_motion(pinion_angle: Array, gear_ratio: Array, period: float, drive: DriveTrain) -> RigidMotion:
@@ -40,14 +42,13 @@ def rigid_motion(pinion_angle: Array, gear_ratio: Array, period: float, drive: D
     InputError
         If the angles are not equally spaced over the period, or a ratio is not positive.
     SolveError
-        If the work within the period exceeds the kinetic energy, so that the pinion would stop.
+        If the work within the period exceeds the kinetic energy, so that the pinion would nearly stop.
 
     Notes
     -----
     With s = 1/i: J_m = J1 + J2 s^2, d(J_m omega^2/2)/dphi = T1 - T2 s/eta, and from it
     phi1'' = (T1 - T2 s/eta - omega^2 J2 s s')/J_m, phi2'' = s phi1'' + omega^2 s', Kw = 1 - J1 phi1''/T1.
-    s is a periodic cubic spline, whose integral and slope are exact; a smooth ratio is met to h^4 (slope h^3) of
-    the step h. `step_error` is the largest change of Kw when every second sample is dropped: it does not
+    s is a periodic cubic spline, whose integral and slope are exact; for a smooth ratio Kw errs by h^4 of the step h. `step_error` is the largest change of Kw when every second sample is dropped: it does not
     fall with h where the ratio jumps, which no physical ratio does.
 
     References
@@ -150,11 +151,12 @@ def _speed(work: Array, inertia: Array, mean: float) -> Array:
 
     highest = 0.5 * float(inertia.max()) * mean**2 * (1.0 + 1e-9) - float(work.min())
     lowest = -float(work.min()) + 1e-12 * abs(highest)
-    if excess(lowest) <= 0.0:
-        raise SolveError(f"rigid model: the work within one period stops the pinion at a mean speed of {mean:g} rad/s; raise the speed")
-    level = brentq(excess, lowest, highest, xtol=1e-15 * abs(highest), rtol=1e-15)
-    speed: Array = np.sqrt(2.0 * (level + work) / inertia)
-    return speed
+    if excess(lowest) > 0.0:
+        level = brentq(excess, lowest, highest, xtol=1e-15 * abs(highest), rtol=1e-15)
+        speed: Array = np.sqrt(2.0 * (level + work) / inertia)
+        if speed.min() > mean * max(SLOWEST, 2.0 / work.size):
+            return speed
+    raise SolveError(f"rigid model: the work within one period nearly stops the pinion at a mean speed of {mean:g} rad/s; raise the speed")
 
 
 def _periodic(angle: Array, values: Array, period: float) -> CubicSpline:
