@@ -48,8 +48,9 @@ def rigid_motion(pinion_angle: Array, gear_ratio: Array, period: float, drive: D
     -----
     With s = 1/i: J_m = J1 + J2 s^2, d(J_m omega^2/2)/dphi = T1 - T2 s/eta, and from it
     phi1'' = (T1 - T2 s/eta - omega^2 J2 s s')/J_m, phi2'' = s phi1'' + omega^2 s', Kw = 1 - J1 phi1''/T1.
-    s is a periodic cubic spline, whose integral and slope are exact; for a smooth ratio Kw errs by h^4 of the step h. `step_error` is the largest change of Kw when every second sample is dropped: it does not
-    fall with h where the ratio jumps, which no physical ratio does.
+    s is a periodic cubic spline, whose integral and slope are exact; for a smooth ratio Kw errs by h^4 of the step h.
+    `step_error` is the largest change of Kw when every second sample is dropped: it does not fall with h where the
+    ratio jumps, which no physical ratio does.
 
     References
     ----------
