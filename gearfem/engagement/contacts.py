@@ -14,8 +14,7 @@ from gearfem.flank.outline import LOADED_END, ROUND
 from gearfem.foundation import Array, SolveError
 from gearfem.placement import Placement
 
-
-# Gap in modules that no load closes: steel teeth yield in bending long before they deflect by a twentieth of it.
+# Gap in modules that no load closes: steel teeth break long before they deflect by a tenth of it.
 REACH = 0.1
 
 
