@@ -32,7 +32,8 @@ class SectionMesh:
     mesh : skfem.MeshQuad2
         Nodes [m] in the frame of the `Outline`; the nodes are the degrees of freedom of the biquadratic element.
     outline : ndarray of int, shape (2 n + 1,)
-        Nodes of the described side, from the lower end of the tooth to the middle of the tip: end, middle, end of each edge.
+        Nodes of the described side, from the middle of the space or the clamp to the middle of the tip: end, middle, end of
+        each edge.
     outline_u : ndarray, shape (2 n + 1,)
         Parameters of these nodes.
     centreline : ndarray of int, shape (2 k + 1,)
@@ -196,15 +197,15 @@ def sector_mesh(outline: Outline, resolution: float) -> SectionMesh:
     ring = arc[:, None] * (radii[::-1] / seam)[None, :, None]
     ring[:, -1] = arc
     work = join((tooth, below, flank, ring))
-    return _sector_sets(work, np.concatenate([side, top[1:]]))
+    return _sector_sets(work, np.concatenate([root, side[1:], top[1:]]))
 
 
 def _sector_sets(work: Patchwork, u: Array) -> SectionMesh:
-    tooth, below, _, ring = work.above
+    tooth, below, space, ring = work.above
     cuts = [np.concatenate([half[2][-1, ::-1], half[3][-1, -2::-1]]) for half in (work.above, work.below)]
     return SectionMesh(
         mesh=work.mesh,
-        outline=np.concatenate([tooth[-1], tooth[-2::-1, -1]]),
+        outline=np.concatenate([space[::-1, -1], tooth[-1, 1:], tooth[-2::-1, -1]]),
         outline_u=u,
         centreline=np.concatenate([ring[0], below[0, 1:], tooth[0, 1:]]),
         held=np.unique(np.concatenate([ring[:, 0], work.below[3][:, 0]])),
