@@ -1,4 +1,4 @@
-"""Laws of contact: Hertz line contact with its approach to a depth, and Coulomb friction."""
+"""Hertz line contact with its approach to a depth."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import dataclasses
 import numpy as np
 from numpy.typing import ArrayLike
 
+from gearfem.contact.arguments import not_negative, positive
 from gearfem.definition.setup import Material
-from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation import Array, Record
 
 # Slope of the approach at lower loads is that at 1 mN/m, since the true one grows as -ln F; the approach
 # there is below 1e-13 m, less than an atom, so a solver sees no difference.
@@ -81,12 +82,12 @@ class HertzLine(Record):
         -----
         Johnson, Contact Mechanics, eq. 4.43.
         """
-        force, radius = _not_negative("force_per_width", force_per_width), _positive("radius", radius)
+        force, radius = not_negative("force_per_width", force_per_width), positive("radius", radius)
         return np.sqrt(4.0 * force * radius / (np.pi * self.contact_modulus))
 
     def pressure(self, force_per_width: ArrayLike, radius: ArrayLike) -> Array:
         """Return the largest pressure p0 = sqrt(F E*/(pi R)) [Pa]; arguments and errors as `half_width`."""
-        force, radius = _not_negative("force_per_width", force_per_width), _positive("radius", radius)
+        force, radius = not_negative("force_per_width", force_per_width), positive("radius", radius)
         return np.sqrt(force * self.contact_modulus / (np.pi * radius))
 
     def approach(self, force_per_width: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
@@ -109,12 +110,12 @@ class HertzLine(Record):
         InputError
             If a load or depth is negative, a radius is not positive, or one is not finite.
         """
-        force = _not_negative("force_per_width", force_per_width)
+        force = not_negative("force_per_width", force_per_width)
         width = self.half_width(force, radius)
         # Any width serves where the load is 0 (or too small for its square root), since the load multiplies the bracket.
         width = np.where(width > 0.0, width, 1.0)
-        first = _approach_per_load(width, _not_negative("depth1", depth1), self.pinion)
-        return force * (first + _approach_per_load(width, _not_negative("depth2", depth2), self.wheel))
+        first = _approach_per_load(width, not_negative("depth1", depth1), self.pinion)
+        return force * (first + _approach_per_load(width, not_negative("depth2", depth2), self.wheel))
 
     def compliance(self, force_per_width: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
         """Return the derivative of `approach` with respect to the line load.
@@ -139,51 +140,37 @@ class HertzLine(Record):
         With da/dF = a/(2 F) each body gives 2 (1 - nu^2)/(pi E) [asinh(d/a) - d/(2 (1 - nu) sqrt(a^2 + d^2))]
         (derived here), positive for every load and depth if nu < 1/2.
         """
-        force = np.maximum(_not_negative("force_per_width", force_per_width), SMALLEST_LINE_LOAD)
+        force = np.maximum(not_negative("force_per_width", force_per_width), SMALLEST_LINE_LOAD)
         width = self.half_width(force, radius)
-        first = _slope(width, _not_negative("depth1", depth1), self.pinion)
-        return first + _slope(width, _not_negative("depth2", depth2), self.wheel)
+        first = _slope(width, not_negative("depth1", depth1), self.pinion)
+        return first + _slope(width, not_negative("depth2", depth2), self.wheel)
 
-
-@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
-class Coulomb(Record):
-    """Friction in proportion to the normal force, against the sliding.
-
-    Notes
-    -----
-    F_t = f P sign(v_sl), v_sl = v_t1 - v_t2 (Wojnarowski & Onishchenko 2003, eq. 24): positive where the pinion
-    is held back. Without sliding, at the pitch point, the law leaves any force up to f P open; 0 is returned.
-    """
-
-    def force(self, normal_force: ArrayLike, sliding_velocity: ArrayLike, coefficient: ArrayLike) -> Array:
-        """Return the friction force.
+    def narrowing(self, force_per_width: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
+        """Return -d(approach/F)/d(ln a): how the approach per load falls as the half width grows at constant load.
 
         Parameters
         ----------
-        normal_force : array_like, shape (...)
-            Normal force P [N] (or per face width, or per unit torque), not negative.
-        sliding_velocity : array_like, shape (...)
-            Sliding velocity v_sl of the pinion on the wheel; only its sign counts.
-        coefficient : array_like, shape (...)
-            Coefficient of friction f, not negative.
+        force_per_width, radius, depth1, depth2 : array_like, shape (...)
+            As in `compliance`.
 
         Returns
         -------
         ndarray, shape (...)
-            Friction force in the unit of the normal force, with the sign of the sliding velocity.
+            [m per N/m], not negative.
 
         Raises
         ------
         InputError
-            If force or coefficient is negative, or one of the three is not finite.
+            As in `approach`.
 
-        Examples
-        --------
-        >>> Coulomb().force(100.0, [-0.5, 0.0, 0.5], 0.1).tolist()
-        [-10.0, 0.0, 10.0]
+        Notes
+        -----
+        Each body gives 2 (1 - nu^2)/(pi E) d/r [1 - nu/(1 - nu) (r - d)/(r + d)], r = sqrt(a^2 + d^2) (derived here).
         """
-        force, coefficient = _not_negative("normal_force", normal_force), _not_negative("coefficient", coefficient)
-        return coefficient * force * np.sign(_finite("sliding_velocity", sliding_velocity))
+        force = np.maximum(not_negative("force_per_width", force_per_width), SMALLEST_LINE_LOAD)
+        width = self.half_width(force, radius)
+        first = _narrowing(width, not_negative("depth1", depth1), self.pinion)
+        return first + _narrowing(width, not_negative("depth2", depth2), self.wheel)
 
 
 def _approach_per_load(width: Array, depth: Array, material: Material) -> Array:
@@ -197,22 +184,7 @@ def _slope(width: Array, depth: Array, material: Material) -> Array:
     return 2.0 / (np.pi * material.plane_strain_modulus) * bracket
 
 
-def _finite(name: str, values: ArrayLike) -> Array:
-    array = np.asarray(values, float)
-    if not np.isfinite(array).all():
-        raise InputError(name, "NaN or infinity", "finite numbers")
-    return array
-
-
-def _not_negative(name: str, values: ArrayLike) -> Array:
-    array = _finite(name, values)
-    if (array < 0.0).any():
-        raise InputError(name, f"{array.min():g}", "0 or more")
-    return array
-
-
-def _positive(name: str, values: ArrayLike) -> Array:
-    array = _finite(name, values)
-    if (array <= 0.0).any():
-        raise InputError(name, f"{array.min():g} m", "more than 0 m: two convex flanks, or one in a hollow of larger radius")
-    return array
+def _narrowing(width: Array, depth: Array, material: Material) -> Array:
+    confined = material.poissons_ratio / (1.0 - material.poissons_ratio)
+    ray = np.hypot(width, depth)
+    return 2.0 / (np.pi * material.plane_strain_modulus) * depth / ray * (1.0 - confined * (ray - depth) / (ray + depth))
