@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,7 @@ from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.compliance.supports import Bore, Structure, Support
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.cache import remembered
 
 OFFSETS = (-3, -2, -1, 1, 2, 3)
 # Ratio of the resolutions whose comparison gives the estimate of the error.
@@ -99,9 +100,7 @@ class FiniteElements(Record):
         InputError, SolveError
             If a position is not on the flank, no crossing lies above the support, or the mesh folds over.
         """
-        with one_thread():
-            section, structure, lines = self._prepare(outline, u)
-            return ComplianceCurve(**self._columns(section, structure, lines))
+        return _curve(self, outline, np.atleast_1d(np.asarray(u, dtype=float)))
 
     def tooth(self, outline: Outline, u: ArrayLike, offsets: tuple[int, ...] = OFFSETS) -> ToothCompliance:
         """Return the compliance over load positions and its coupling to the neighbours, the bore held.
@@ -124,12 +123,7 @@ class FiniteElements(Record):
         """
         if 0 in offsets:
             raise InputError("offsets", offsets, "numbers of neighbours, without 0")
-        with one_thread():
-            section, ring, lines = self._prepare(outline, u)
-            if not isinstance(ring, Ring):
-                raise InputError("support", self.support.name, "bore: a tooth held at its root is not coupled to its neighbours")
-            coupling = ring.coupling(forces(section, lines), offsets)
-            return ToothCompliance(**self._columns(section, ring, lines), offsets=offsets, coupling=coupling)
+        return _tooth(self, outline, np.atleast_1d(np.asarray(u, dtype=float)), tuple(offsets))
 
     def error(self, outline: Outline, u: ArrayLike) -> Array:
         """Estimate the relative error of `curve` at each of its positions.
@@ -195,8 +189,8 @@ class FiniteElements(Record):
         beside = neighbours if len(section.upper) else 0
         offsets = tuple(range(-beside, beside + 1))
         with one_thread():
-            structure = self._structure(outline, section)
-            moved = structure.displacements(force_per_width * forces(section, lines), offsets)[:, :, 0]
+            load = force_per_width * forces(section, lines)
+            moved = self._structure(outline, section, load).displacements(load, offsets)[:, :, 0]
         return make_field(section, moved, outline, self.plane, lines, force_per_width)
 
     # ---- steps ------------------------------------------------------------------------------------------
@@ -206,25 +200,56 @@ class FiniteElements(Record):
         refuse_folds(section.mesh, QUADRATURE[0], "change the bore radius, the rack's tip radius or the tip edge radius")
         return section
 
-    def _structure(self, outline: Outline, section: SectionMesh) -> Structure:
+    def _structure(self, outline: Outline, section: SectionMesh, *weights: Array) -> Structure:
+        """Return the structure that takes these nodal forces and readings."""
         matrix = stiffness(section.mesh, self.plane, outline.gear.material)
-        return self.support.structure(section, matrix, outline.gear.teeth)
+        used = np.any([np.any(weight != 0.0, axis=1).reshape(2, -1).any(axis=0) for weight in weights], axis=0)
+        return self.support.structure(section, matrix, outline.gear.teeth, np.flatnonzero(used))
 
-    def _prepare(self, outline: Outline, u: ArrayLike) -> tuple[SectionMesh, Structure, LoadLines]:
+    def _loaded(self, outline: Outline, u: Array) -> _Loaded:
         section, lines = self._mesh(outline), load_lines(outline, u)
         inside = covered(section, lines)
         if not inside.any():
             found = f"{len(lines.u)} load lines that all cross the tooth's centreline under it"
             raise InputError(f"support {self.support.name}", found, "a position higher on the flank, or another support")
-        return section, self._structure(outline, section), lines.kept(inside)
+        lines = lines.kept(inside)
+        load, reading = forces(section, lines), readings(section, lines)
+        return _Loaded(lines, load, reading, self._structure(outline, section, load, reading))
 
-    def _columns(self, section: SectionMesh, structure: Structure, lines: LoadLines) -> dict[str, Any]:
-        deflection = structure.deflection(forces(section, lines), readings(section, lines))
+    def _columns(self, loaded: _Loaded) -> dict[str, Any]:
         return {
             "method": self.name,
             "support": self.support.name,
-            "u": lines.u,
-            "radius": lines.radius,
-            "deflection": deflection,
-            "depth": lines.depth,
+            "u": loaded.lines.u,
+            "radius": loaded.lines.radius,
+            "deflection": loaded.structure.deflection(loaded.load, loaded.reading),
+            "depth": loaded.lines.depth,
         }
+
+
+class _Loaded(NamedTuple):
+    """A structure with its loads and readings, shape (2 n, k)."""
+
+    lines: LoadLines
+    load: Array
+    reading: Array
+    structure: Structure
+
+
+# ---- remembered: equal content costs one solve per process ------------------------------------------
+
+
+@remembered
+def _curve(method: FiniteElements, outline: Outline, u: Array) -> ComplianceCurve:
+    with one_thread():
+        return ComplianceCurve(**method._columns(method._loaded(outline, u)))
+
+
+@remembered
+def _tooth(method: FiniteElements, outline: Outline, u: Array, offsets: tuple[int, ...]) -> ToothCompliance:
+    with one_thread():
+        loaded = method._loaded(outline, u)
+        if not isinstance(loaded.structure, Ring):
+            raise InputError("support", method.support.name, "bore: a tooth held at its root is not coupled to its neighbours")
+        coupling = loaded.structure.coupling(loaded.load, offsets)
+        return ToothCompliance(**method._columns(loaded), offsets=offsets, coupling=coupling)

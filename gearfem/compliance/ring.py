@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 from threadpoolctl import threadpool_limits
 
+from gearfem.compliance.dissection import Trailing, dissect
+from gearfem.compliance.patchwork import Ids
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.foundation import Array, SolveError
+
+Mask: TypeAlias = NDArray[np.bool_]
 
 
 def one_thread() -> AbstractContextManager[Any]:
@@ -57,54 +61,64 @@ class Ring:
     Parameters
     ----------
     section : SectionMesh
-        The sector, with its two cuts.
+        The sector, with its two cuts, symmetric about y = 0.
     stiffness : csc_matrix, shape (2 n, 2 n)
         Its stiffness matrix, x displacements first [Pa].
     teeth : int
         Number of sectors.
+    ports : ndarray of int, optional
+        Nodes with y >= 0 that take loads or are read; by default those of outline and centreline. Fewer cost less.
 
     Notes
     -----
     On a cut, displacements are counted in radial and tangential direction, so that the upper cut of sector k and the lower cut
     of sector k + 1 share the unknowns v_k. With the sector's Schur complement S, the sum of forces at cut k is
     S_ul v_(k-1) + (S_uu + S_ll) v_k + S_lu v_(k+1) = f_k. The discrete Fourier transform turns it into
-    (S_ul exp(-i n t) + S_uu + S_ll + S_lu exp(i n t)) v_n = f_n, t = 2 pi / teeth, one small system for each
-    harmonic n = 0 ... teeth/2 (the rest are complex conjugates). Exact up to rounding; derived here.
+    (S_ul exp(-i t) + S_uu + S_ll + S_lu exp(i t)) v_n = f_n, t = 2 pi n / teeth, one small system for each
+    harmonic n = 0 ... teeth/2 (the rest are complex conjugates).
+
+    The sector is split into motions even and odd under its mirror: two problems of half the size on the upper half. With
+    their Schur complements S_e, S_o, A = (S_e + S_o)/2, B = (S_e - S_o)/2 and J = diag(1, -1) for (radial, tangential),
+    S_uu = A, S_ll = J A J, S_ul = B J. Counting tangential displacements in the unit i makes every system real:
+    2 [A_rr + cos t B_rr, -sin t B_rt; -sin t B_tr, A_tt - cos t B_tt]. Exact up to rounding; derived here.
     """
 
-    def __init__(self, section: SectionMesh, stiffness: Any, teeth: int) -> None:
+    def __init__(self, section: SectionMesh, stiffness: Any, teeth: int, ports: Ids | None = None) -> None:
         nodes = section.mesh.doflocs.shape[1]
         self.teeth, self._nodes = teeth, nodes
-        kept = ~np.isin(section.upper, section.held)
-        self._cuts = section.lower[kept], section.upper[kept]
-        cut = np.concatenate(self._cuts)
-        inner = np.setdiff1d(np.arange(nodes), np.concatenate([cut, section.held]))
-        self._inner = np.concatenate([inner, inner + nodes])
-        self._cut = np.concatenate([part + shift for part in self._cuts for shift in (0, nodes)])
-        self._factors = factorise(stiffness[self._inner][:, self._inner])
-        # Columns of the cut in radial and tangential directions.
-        coupling = stiffness[:, self._cut].toarray() @ self._local
-        self._influence = self._factors.solve(coupling[self._inner])
-        schur = self._local.T @ coupling[self._cut] - coupling[self._inner].T @ self._influence
-        self._schur = 0.5 * (schur + schur.T)
+        cut = section.upper[~np.isin(section.upper, section.held)]
+        fixed = np.isin(np.arange(nodes), section.held)
+        axis = section.mesh.doflocs[1] == 0.0
+        wanted = np.concatenate([section.outline, section.centreline]) if ports is None else ports
+        ports = np.setdiff1d(wanted, np.concatenate([cut, section.held]))
+        closed = np.setdiff1d(np.arange(nodes), ports)
+        self._closed = np.concatenate([closed, closed + nodes])
+        order = dissect(section.mesh)
+        last = np.isin(order, np.concatenate([ports, cut]))
+        order = np.concatenate([order[~last & (section.mesh.doflocs[1, order] >= 0.0) & ~fixed[order]], ports, cut])
+        self._halves = tuple(_Half(stiffness, order, axis, odd, len(ports), len(cut)) for odd in (False, True))
+        angle = np.pi / teeth
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        # Unknowns of a cut: x and y node by node in the factors, all radial then all tangential in the ring.
+        self._polar = np.kron(turn, np.eye(len(cut))).reshape(2, len(cut), -1).swapaxes(0, 1).reshape(2 * len(cut), -1)
+        self._mirror = _mirror(section.mesh.doflocs)
+        self._flip = np.repeat([1.0, -1.0], len(cut))[:, None]
+        self._schur = [self._polar.T @ half.factors.schur @ self._polar for half in self._halves]
 
     @cached_property
-    def _local(self) -> Array:
-        """Columns: the radial, then the tangential unit displacements of the lower, then of the upper cut."""
-        half = np.pi / self.teeth
-        identity = np.eye(len(self._cuts[0]))
-        blocks = [np.kron(np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]), identity) for a in (-half, half)]
-        zero = np.zeros_like(blocks[0])
-        return np.block([[blocks[0], zero], [zero, blocks[1]]])
-
-    @cached_property
-    def _harmonics(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-        """Phases exp(i n t) of the harmonics 0 ... teeth/2 and the inverse matrices of their systems."""
-        size = len(self._schur) // 2
-        s = self._schur
-        ll, lu, ul, uu = s[:size, :size], s[:size, size:], s[size:, :size], s[size:, size:]
-        phase = np.exp(2j * np.pi / self.teeth * np.arange(self.teeth // 2 + 1))
-        return phase, np.linalg.inv(uu + ll + ul * phase.conj()[:, None, None] + lu * phase[:, None, None])
+    def _harmonics(self) -> tuple[NDArray[np.complex128], Array]:
+        """Phases exp(i t) of the harmonics 0 ... teeth/2 and the inverse matrices of their real systems."""
+        even, odd = self._schur
+        a, b = (even + odd) / 4.0, (even - odd) / 4.0
+        c = len(a) // 2
+        phase: NDArray[np.complex128] = np.exp(2j * np.pi / self.teeth * np.arange(self.teeth // 2 + 1))
+        cosine, sine = phase.real[:, None, None], phase.imag[:, None, None]
+        systems = np.empty((len(phase), 2 * c, 2 * c))
+        systems[:, :c, :c] = a[:c, :c] + cosine * b[:c, :c]
+        systems[:, c:, c:] = a[c:, c:] - cosine * b[c:, c:]
+        systems[:, :c, c:] = -sine * b[:c, c:]
+        systems[:, c:, :c] = systems[:, :c, c:].swapaxes(1, 2)
+        return phase, np.asarray(np.linalg.inv(2.0 * systems), dtype=float)
 
     def condense(self, load: Array) -> Array:
         """Return what loads on a sector are worth on its two cuts, lower cut first.
@@ -112,14 +126,16 @@ class Ring:
         Parameters
         ----------
         load : ndarray, shape (2 n, k)
-            Nodal forces of k cases.
+            Nodal forces of k cases, on ports alone.
 
         Returns
         -------
         ndarray, shape (4 c, k)
         """
-        worth: Array = self._local.T @ load[self._cut] - self._influence.T @ load[self._inner]
-        return worth
+        if np.count_nonzero(load[self._closed]):
+            raise ValueError("loads and readings belong on the ports of the ring")
+        even, odd = (self._polar.T @ half.forward(load)[1] for half in self._halves)
+        return np.concatenate([self._flip * (even - odd), even + odd]) / 2.0
 
     def cuts(self, condensed: Array, offsets: tuple[int, ...]) -> Array:
         """Return the displacements of the two cuts of several sectors under loads on sector 0.
@@ -135,16 +151,20 @@ class Ring:
         -------
         ndarray, shape (len(offsets), 4 c, k)
         """
-        size = len(condensed) // 2
+        size, cases = len(condensed) // 2, condensed.shape[1]
         phase, inverse = self._harmonics
+        unit = np.repeat([1.0, 1.0j], size // 2)[:, None]
         # Cut k is the upper one of sector k: the lower cut of the loaded sector is number -1.
-        spectrum = inverse @ (condensed[size:] + phase[:, None, None] * condensed[:size])
+        load = (condensed[size:] + phase[:, None, None] * condensed[:size]) * unit.conj()
+        parts = inverse @ np.concatenate([load.real, load.imag], axis=2)
+        spectrum = (parts[:, :, :cases] + 1j * parts[:, :, cases:]) * unit
         count = np.full(len(phase), 2.0)
         count[0] = 1.0
         if self.teeth % 2 == 0:
             count[-1] = 1.0
-        weight = {k: count[:, None, None] * (phase**k)[:, None, None] / self.teeth for o in offsets for k in (o - 1, o)}
-        at = {k: (w * spectrum).sum(axis=0).real for k, w in weight.items()}
+        wanted = np.unique([k for o in offsets for k in (o - 1, o)])
+        weight = count * phase ** wanted[:, None] / self.teeth
+        at = dict(zip(wanted.tolist(), np.tensordot(weight, spectrum, axes=1).real, strict=True))
         return np.stack([np.concatenate([at[o - 1], at[o]]) for o in offsets])
 
     def deflection(self, load: Array, reading: Array) -> Array:
@@ -153,11 +173,11 @@ class Ring:
         Parameters
         ----------
         load, reading : ndarray, shape (2 n, k)
-            Nodal forces and weights of nodal displacements, both on sector 0.
+            Nodal forces and weights of nodal displacements, both on ports of sector 0.
         """
         follows = self.cuts(self.condense(load), (0,))[0]
-        own = np.einsum("ij,ij->j", reading, self._inside(load))
-        total: Array = own + np.einsum("ij,ij->j", self.condense(reading), follows)
+        own = sum((half.forward(load)[0] * half.forward(reading)[0]).sum(axis=0) for half in self._halves)
+        total: Array = own + (self.condense(reading) * follows).sum(axis=0)
         return total
 
     def coupling(self, load: Array, offsets: tuple[int, ...]) -> Array:
@@ -181,20 +201,62 @@ class Ring:
 
     def displacements(self, load: Array, offsets: tuple[int, ...]) -> Array:
         """Return nodal displacements of several sectors, each in its own frame, shape (len(offsets), 2 n, k)."""
+        size = len(self._flip)
         cuts = self.cuts(self.condense(load), offsets)
-        result = np.zeros((len(offsets), 2 * self._nodes, load.shape[1]))
-        result[:, self._inner] = -self._influence @ cuts
-        result[:, self._cut] = self._local @ cuts
-        for place, offset in enumerate(offsets):
-            if offset % self.teeth == 0:
-                result[place] += self._inside(load)
-        return result
+        result = np.zeros((len(offsets), 2, self._nodes, load.shape[1]))
+        for place, (offset, moved) in enumerate(zip(offsets, cuts, strict=True)):
+            own = load if offset % self.teeth == 0 else np.zeros_like(load)
+            for half, schur, sign in zip(self._halves, self._schur, (1.0, -1.0), strict=True):
+                # The force that the neighbours put on the cut is what remains of its stiffness after the loads.
+                cut = schur @ (moved[size:] + sign * self._flip * moved[:size]) / 2.0 - self._polar.T @ half.forward(own)[1]
+                half.add(result[place], own, self._polar @ cut, self._mirror)
+        return result.reshape(len(offsets), 2 * self._nodes, -1)
 
-    def _inside(self, load: Array) -> Array:
-        """Return the displacements under loads with the cuts held."""
-        result = np.zeros_like(load)
-        result[self._inner] = self._factors.solve(np.ascontiguousarray(load[self._inner]))
-        return result
+
+class _Half:
+    """The upper half of a sector, for the motions that are even or odd under its mirror; energies are those of both halves."""
+
+    def __init__(self, stiffness: Any, order: Ids, axis: Mask, odd: bool, ports: int, cut: int) -> None:
+        nodes = len(axis)
+        unknowns = np.stack([order, order + nodes], axis=1)
+        free = np.ones(unknowns.shape, dtype=bool)
+        # On the axis even motions have no y component, odd ones no x component.
+        free[:, 0 if odd else 1] = ~axis[order]
+        self._odd, self._nodes = odd, nodes
+        self.unknowns = unknowns[free]
+        first = len(order) - ports - cut
+        self._ports, self._cut = int(free[first : first + ports].sum()), 2 * cut
+        matrix = stiffness[self.unknowns][:, self.unknowns]
+        # Both halves share the stiffness between nodes of the axis; all else belongs to one of them.
+        on_axis = np.tile(axis, 2)[self.unknowns]
+        shared = on_axis[matrix.indices] & np.repeat(on_axis, np.diff(matrix.indptr))
+        matrix.data *= np.where(shared, 1.0, 2.0)
+        self.factors = Trailing(matrix, self._ports, self._cut)
+
+    def forward(self, load: Array) -> tuple[Array, Array]:
+        start = len(self.unknowns) - self._ports - self._cut
+        return self.factors.forward(load[self.unknowns[start : start + self._ports]])
+
+    def add(self, result: Array, load: Array, cut: Array, mirror: Ids) -> None:
+        """Add the displacements under loads and forces on the cut to those of the whole sector, shape (2, n, k)."""
+        force = load[self.unknowns]
+        force[len(force) - self._cut :] += cut
+        flat = np.zeros((2 * self._nodes, load.shape[1]))
+        flat[self.unknowns] = self.factors.solve(force)
+        moved = flat.reshape(result.shape)
+        below = np.zeros(self._nodes, dtype=bool)
+        below[mirror[self.unknowns % self._nodes]] = True
+        below[self.unknowns % self._nodes] = False
+        signs = np.array([-1.0, 1.0] if self._odd else [1.0, -1.0])
+        moved[:, below] = signs[:, None, None] * moved[:, mirror[below]]
+        result += moved
+
+
+def _mirror(places: Array) -> Ids:
+    """Return the node at the mirror image in y = 0 of each node."""
+    mirror = np.empty(places.shape[1], dtype=np.int64)
+    mirror[np.lexsort((places[1], places[0]))] = np.lexsort((-places[1], places[0]))
+    return mirror
 
 
 class Alone:

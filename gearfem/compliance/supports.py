@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, ClassVar, Protocol
 
+from gearfem.compliance.patchwork import Ids
 from gearfem.compliance.ring import Alone, Ring
 from gearfem.compliance.section_mesh import SectionMesh, root_mesh, sector_mesh
 from gearfem.flank import Outline
@@ -32,8 +33,8 @@ class Support(Protocol):
     def section(self, outline: Outline, resolution: float) -> SectionMesh:
         """Return the mesh of one sector or tooth."""
 
-    def structure(self, section: SectionMesh, stiffness: Any, teeth: int) -> Structure:
-        """Return the factorised structure."""
+    def structure(self, section: SectionMesh, stiffness: Any, teeth: int, ports: Ids | None = None) -> Structure:
+        """Return the factorised structure, which takes loads and readings at the nodes `ports`, if they are given."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,9 +47,9 @@ class Bore(Record):
         """Return the mesh of one sector."""
         return sector_mesh(outline, resolution)
 
-    def structure(self, section: SectionMesh, stiffness: Any, teeth: int) -> Ring:
+    def structure(self, section: SectionMesh, stiffness: Any, teeth: int, ports: Ids | None = None) -> Ring:
         """Return the ring of all sectors."""
-        return Ring(section, stiffness, teeth)
+        return Ring(section, stiffness, teeth, ports)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -61,7 +62,7 @@ class Root(Record):
         """Return the mesh of the tooth."""
         return root_mesh(outline, FINER * resolution, chord=False)
 
-    def structure(self, section: SectionMesh, stiffness: Any, teeth: int) -> Alone:
+    def structure(self, section: SectionMesh, stiffness: Any, teeth: int, ports: Ids | None = None) -> Alone:
         """Return the tooth alone."""
         return Alone(section, stiffness)
 
@@ -76,6 +77,6 @@ class RootChord(Record):
         """Return the mesh of the tooth."""
         return root_mesh(outline, FINER * resolution, chord=True)
 
-    def structure(self, section: SectionMesh, stiffness: Any, teeth: int) -> Alone:
+    def structure(self, section: SectionMesh, stiffness: Any, teeth: int, ports: Ids | None = None) -> Alone:
         """Return the tooth alone."""
         return Alone(section, stiffness)
