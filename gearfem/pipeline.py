@@ -12,6 +12,7 @@ from gearfem.compliance.record import Compliance, ComplianceCurve
 from gearfem.contact import HertzLine
 from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, make_drive, rigid_motion, unloaded_transport, wheel_torque_sentence
+from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
@@ -23,8 +24,8 @@ from gearfem.placement import make_placement
 Stage = Literal["flank", "compliance", "engagement", "dynamics"]
 STAGES: tuple[Stage, ...] = ("flank", "compliance", "engagement", "dynamics")
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
-# The transition from one pair to two takes a twentieth of a pitch, forty of these steps.
-RIGID_STEPS = 800
+# The transition from one pair to two takes a twentieth of a pitch, eighty of these steps.
+RIGID_STEPS = 1600
 
 METHOD_ASSUMPTIONS = (
     "Plane strain across the whole face width; the load is uniform along it.",
@@ -192,7 +193,7 @@ def _with_dynamics(results: Results, progress: Progress) -> Results:
     torque = setup.operation.pinion_torque
     forces = mesh_force(results.mesh, torque)
     positions = np.arange(RIGID_STEPS) / RIGID_STEPS * pitch
-    rigid = rigid_motion(positions, engage(results.mesh, positions, torque).gear_ratio_force, pitch, drive)
+    rigid = rigid_motion(positions, engage(results.mesh, positions, torque).gear_ratio_force, pitch, drive, kinked)
     transport = unloaded_transport(forces, drive)
     elastic = elastic_motion(forces, drive, transport, progress=progress)
     discs = tuple(gear.disc_inertia(setup.pair.face_width) for gear in (setup.pair.pinion, setup.pair.wheel))

@@ -52,11 +52,12 @@ def wheel_torque_sentence(model: str, drive: DriveTrain, wheel_torque: float) ->
     >>> drive = DriveTrain(pinion_inertia=10.16, wheel_inertia=6.72, pinion_torque=1605.0, wheel_torque=4911.0,
     ...     efficiency=0.96, pinion_speed=53.0, friction_coefficient=0.1, damping_ratio=0.18)
     >>> wheel_torque_sentence("rigid", drive, 4911.3)
-    'rigid model: wheel torque scaled from 4911 to 4911.3 N m (+0.006 %), so that the work balances at the efficiency 0.96'
+    'Rigid model: wheel torque scaled from 4911 to 4911.3 N m (+0.006 %), so that the work balances at the efficiency 0.96.'
     """
     change = 100.0 * (wheel_torque / drive.wheel_torque - 1.0)
     if model == "rigid":
         reason = f"the work balances at the efficiency {drive.efficiency:g}"
     else:
         reason = f"the mean power of the orbit balances at the tooth friction {drive.friction_coefficient:g} (the efficiency is not used)"
-    return f"{model} model: wheel torque scaled from {drive.wheel_torque:.6g} to {wheel_torque:.6g} N m ({change:+.3f} %), so that {reason}"
+    moved = f"wheel torque scaled from {drive.wheel_torque:.6g} to {wheel_torque:.6g} N m ({change:+.3f} %)"
+    return f"{model.capitalize()} model: {moved}, so that {reason}."

@@ -67,7 +67,7 @@ class RigidMotion(Record):
     wheel_torque : float
         Braking torque at which the work over one period balances [N m].
     step_error : float
-        Largest change of Kw when every second sample is left out: a bound on the error of the angle step.
+        Largest change of Kw when every second sample is left out: a bound on the error of the angle step, beside kinks too.
     """
 
     period: float

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from gearfem.dynamics.periodic import Curve, Through, smooth
 from gearfem.dynamics.record import DriveTrain, RigidMotion
 from gearfem.engagement.record import MeshForce
 from gearfem.foundation import Array, InputError, SolveError
@@ -15,7 +15,7 @@ FEWEST_SAMPLES = 8
 SLOWEST = 0.05
 
 
-def rigid_motion(pinion_angle: Array, gear_ratio: Array, period: float, drive: DriveTrain) -> RigidMotion:
+def rigid_motion(pinion_angle: Array, gear_ratio: Array, period: float, drive: DriveTrain, through: Through = smooth) -> RigidMotion:
     """Return the periodic motion of two inertias joined by a variable gear ratio.
 
     The kinetic energy follows from the work of the torques; the wheel's torque is scaled so that the work over
@@ -31,6 +31,8 @@ def rigid_motion(pinion_angle: Array, gear_ratio: Array, period: float, drive: D
         Angle after which the ratio repeats [rad].
     drive : DriveTrain
         Inertias, torques, efficiency and mean speed.
+    through : Through
+        Curve through the samples of 1/i: `smooth`, or `kinked` for a ratio whose slope jumps.
 
     Returns
     -------
@@ -48,9 +50,10 @@ def rigid_motion(pinion_angle: Array, gear_ratio: Array, period: float, drive: D
     -----
     With s = 1/i: J_m = J1 + J2 s^2, d(J_m omega^2/2)/dphi = T1 - T2 s/eta, and from it
     phi1'' = (T1 - T2 s/eta - omega^2 J2 s s')/J_m, phi2'' = s phi1'' + omega^2 s', Kw = 1 - J1 phi1''/T1.
-    s is a periodic cubic spline, whose integral and slope are exact; for a smooth ratio Kw errs by h^4 of the step h.
-    `step_error` is the largest change of Kw when every second sample is dropped: it does not fall with h where the
-    ratio jumps, which no physical ratio does.
+    s is a periodic piecewise polynomial, whose integral and slope are exact. For a smooth ratio and spline Kw errs by h^4
+    of the step h. Where a tooth pair takes up load the slope of s jumps, and Kw with it: a smooth spline overshoots there
+    at every step, `kinked` converges with h. `step_error` is the largest change of Kw when every second sample is
+    dropped: beside a kink it stays of the size of the jump, and where the ratio itself jumps, of the result.
 
     References
     ----------
@@ -66,9 +69,9 @@ def rigid_motion(pinion_angle: Array, gear_ratio: Array, period: float, drive: D
     (True, 19.999)
     """
     _refuse(pinion_angle, gear_ratio, period)
-    fine = _Balance(pinion_angle, 1.0 / gear_ratio, pinion_angle, period, drive)
-    coarse = _Balance(pinion_angle[::2], 1.0 / gear_ratio[::2], pinion_angle, period, drive)
-    slowness = _periodic(pinion_angle, 1.0 / fine.speed, period).antiderivative()
+    fine = _Balance(through(pinion_angle, 1.0 / gear_ratio, period), pinion_angle, period, drive)
+    coarse = _Balance(through(pinion_angle[::2], 1.0 / gear_ratio[::2], period), pinion_angle, period, drive)
+    slowness = through(pinion_angle, 1.0 / fine.speed, period).antiderivative()
     return RigidMotion(
         period=period,
         pinion_angle=pinion_angle,
@@ -101,7 +104,7 @@ def unloaded_transport(mesh: MeshForce, drive: DriveTrain) -> RigidMotion:
     -----
     r_b1 phi1 - r_b2 phi2 = e_u(phi1), so that 1/i = (r_b1 - e_u')/r_b2, e_u' the slope of a periodic cubic spline.
     """
-    slope = _periodic(mesh.pinion_angle, mesh.unloaded_error, mesh.period)(mesh.pinion_angle, 1)
+    slope = smooth(mesh.pinion_angle, mesh.unloaded_error, mesh.period)(mesh.pinion_angle, 1)
     return rigid_motion(mesh.pinion_angle, mesh.base_radius2 / (mesh.base_radius1 - slope), mesh.period, drive)
 
 
@@ -124,10 +127,9 @@ def uniform_transport(mesh: MeshForce, drive: DriveTrain) -> RigidMotion:
 
 
 class _Balance:
-    """The balanced state for one spline through samples of 1/i, evaluated at `angle`."""
+    """The balanced state for one curve of 1/i, evaluated at `angle`."""
 
-    def __init__(self, knots: Array, samples: Array, angle: Array, period: float, drive: DriveTrain) -> None:
-        spline = _periodic(knots, samples, period)
+    def __init__(self, spline: Curve, angle: Array, period: float, drive: DriveTrain) -> None:
         turned = spline.antiderivative()
         turn = float(turned(angle[0] + period) - turned(angle[0]))
         self.inverse_ratio: Array = spline(angle)
@@ -158,10 +160,6 @@ def _speed(work: Array, inertia: Array, mean: float) -> Array:
         if speed.min() > mean * max(SLOWEST, 2.0 / work.size):
             return speed
     raise SolveError(f"rigid model: the work within one period nearly stops the pinion at a mean speed of {mean:g} rad/s; raise the speed")
-
-
-def _periodic(angle: Array, values: Array, period: float) -> CubicSpline:
-    return CubicSpline(np.append(angle, angle[0] + period), np.append(values, values[0]), bc_type="periodic")
 
 
 def _refuse(angle: Array, ratio: Array, period: float) -> None:

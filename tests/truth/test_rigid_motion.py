@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from gearfem.dynamics import RigidMotion, rigid_motion
+from gearfem.dynamics.periodic import kinked
 
 PERIOD = 2.0 * math.pi / 16.0
 MEAN = 51.0 / 16.0
@@ -103,6 +104,19 @@ def test_the_result_does_not_depend_on_the_step(coal_drive):
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     print("orders of Kw in the angle step:", orders)
     assert orders.min() > 3.8
+
+
+def test_a_kink_of_the_ratio_leaves_a_limit(coal_drive):
+    """Where the slope of the ratio jumps, so does Kw: Akima's curve tends to the limit from one side, halving with the step."""
+    largest = []
+    for count in (400, 800, 1600, 3200):
+        angle = PERIOD * (np.arange(count) + 0.3) / count
+        part = angle / PERIOD
+        bump = np.clip(part - 0.4, 0.0, None) * np.exp(-40.0 * np.clip(part - 0.4, 0.0, None))
+        largest.append(rigid_motion(angle, 3.1875 + 2.0 * bump, PERIOD, coal_drive, kinked).dynamic_factor.max())
+    changes = np.abs(np.diff(largest))
+    assert changes[-1] < 0.02 * (largest[-1] - 1.0)
+    assert changes[-1] < 0.7 * changes[0]
 
 
 def test_a_jump_of_the_ratio_is_told_by_the_step_error(coal_drive):
