@@ -9,7 +9,7 @@ import numpy as np
 
 from gearfem.compliance import Bore, Castigliano, FiniteElements, PlaneStrain, PlaneStress, Root, load_positions, make_compliance
 from gearfem.compliance.record import Compliance, ComplianceCurve
-from gearfem.contact import HertzLine
+from gearfem.contact import EdgedLine
 from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, make_drive, rigid_motion, unloaded_transport, wheel_torque_sentence
 from gearfem.dynamics.periodic import kinked
@@ -30,7 +30,8 @@ RIGID_STEPS = 1600
 METHOD_ASSUMPTIONS = (
     "Plane strain across the whole face width; the load is uniform along it.",
     "Each gear is a disc with a solid web, held rigidly on its bore; shafts and bearings do not yield.",
-    "The contact is Hertz's line contact; below it, each tooth yields as a half space down to its centreline.",
+    "The contact is a line contact without friction, its band cut off at a tip edge; below it, each tooth yields as a half space "
+    "down to its centreline.",
     "The rigid model takes the ratio of the forces under the operation torque, which changes hands over a finite angle; "
     "the elastic model takes the unloaded ratio, since its own deflection adds the rest.",
     "All teeth are equal and perfectly spaced.",
@@ -172,7 +173,7 @@ def _with_compliance(results: Results, comparison: bool, progress: Progress) -> 
             flanks=results.flanks,
             placement=make_placement(results.setup),
             compliance=compliance,
-            law=HertzLine(pinion=pair.pinion.material, wheel=pair.wheel.material),
+            law=EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material),
         ),
         comparison=compare_methods(results.flanks, progress) if comparison else (),
         assumptions=results.assumptions + METHOD_ASSUMPTIONS,

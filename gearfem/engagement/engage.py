@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from gearfem.compliance.record import Compliance
+from gearfem.contact import Line
 from gearfem.engagement.contacts import find_contacts
 from gearfem.engagement.record import Contacts, Engagement, MeshForce
 from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
@@ -57,9 +58,7 @@ class Mesh(Record):
             lever=contacts.arm2 / pair.wheel.base_radius,
             arm=contacts.arm1 * pair.face_width,
             gap=contacts.gap,
-            radius=contacts.equivalent_radius,
-            depth1=read.depth1,
-            depth2=read.depth2,
+            line=Line(contacts.flank_radius, read.depth1, read.depth2, contacts.edge, contacts.edge_radius),
         )
 
 
@@ -132,7 +131,7 @@ def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
     system = mesh.system(contacts)
     force = torque / system.arm
     own = np.einsum("ajj->aj", system.linear) * force
-    approach = own + mesh.law.approach(force, system.radius, system.depth1, system.depth2)
+    approach = own + mesh.law.approach(force, system.line)
     on_path = contacts.reach & (contacts.gap == 0.0)
     return np.where(on_path, force * mesh.placement.pair.face_width / approach, 0.0)
 

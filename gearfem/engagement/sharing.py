@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from gearfem.contact import Line
 from gearfem.foundation import Array, Record, SolveError
 
 ITERATIONS = 80
@@ -16,10 +17,10 @@ TOLERANCE = 1e-12
 class LineLaw(Protocol):
     """Approach of one line contact under a line load, without the teeth."""
 
-    def approach(self, force: Array, radius: Array, depth1: Array, depth2: Array, /) -> Array:
+    def approach(self, force: Array, line: Line, /) -> Array:
         """Return the approach [m] under line loads [N/m]."""
 
-    def compliance(self, force: Array, radius: Array, depth1: Array, depth2: Array, /) -> Array:
+    def compliance(self, force: Array, line: Line, /) -> Array:
         """Return the slope of the approach [m per N/m]."""
 
 
@@ -37,22 +38,20 @@ class PairSystem(Record):
         Torque on the pinion per line load on each pair: l1 times the face width [m2].
     gap : ndarray, shape (n, p)
         Transmission error at which each pair touches [m].
-    radius, depth1, depth2 : ndarray, shape (n, p)
-        Equivalent radius of curvature and depths of the two centrelines [m].
+    line : Line of ndarrays, shape (n, p)
+        Geometry of the line contacts.
     """
 
     linear: Array
     lever: Array
     arm: Array
     gap: Array
-    radius: Array
-    depth1: Array
-    depth2: Array
+    line: Line
 
     def approach(self, law: LineLaw, force: Array) -> Array:
         """Return the approach of each pair [m] under line loads [N/m], shape (n, p)."""
         linear: Array = np.einsum("ajk,ak->aj", self.linear, force)
-        return linear + law.approach(force, self.radius, self.depth1, self.depth2)
+        return linear + law.approach(force, self.line)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -189,33 +188,33 @@ def _respond(system: PairSystem, law: LineLaw, force: Array, error: Array) -> tu
     available = (error[:, None] - system.gap) * system.lever - np.einsum("ajk,ak->aj", _coupling(system), force)
     touching = available > 0.0
     own = np.einsum("ajj->aj", system.linear)
-    shape = (system.radius[touching], system.depth1[touching], system.depth2[touching])
+    line = Line(*(values[touching] for values in system.line))
     carried, slope = np.zeros_like(available), np.zeros_like(available)
-    carried[touching], slope[touching] = _invert(law, available[touching], own[touching], shape)
+    carried[touching], slope[touching] = _invert(law, available[touching], own[touching], line)
     return carried, slope
 
 
-def _invert(law: LineLaw, available: Array, own: Array, shape: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+def _invert(law: LineLaw, available: Array, own: Array, line: Line) -> tuple[Array, Array]:
     """Return f with own f + h(f) = available, and df/d(available); h is concave, so the chord bounds f from above."""
     bound = available / own
-    force = available / (own + law.approach(bound, *shape) / bound)
+    force = available / (own + law.approach(bound, line) / bound)
     for _ in range(ITERATIONS):
-        slope = 1.0 / (own + law.compliance(force, *shape))
-        step = (available - own * force - law.approach(force, *shape)) * slope
+        slope = 1.0 / (own + law.compliance(force, line))
+        step = (available - own * force - law.approach(force, line)) * slope
         force = np.maximum(force + step, 0.1 * force)
         if np.all(np.abs(step) <= 4e-15 * force):
             break
     else:
         if not np.all(np.abs(step) <= TOLERANCE * force):
             raise SolveError("the contact law could not be inverted")
-    return force, 1.0 / (own + law.compliance(force, *shape))
+    return force, 1.0 / (own + law.compliance(force, line))
 
 
 def _invert_alone(system: PairSystem, law: LineLaw, torque: float) -> Array:
     """Return the transmission error at which each pair carries the whole torque alone, shape (n, p)."""
     force = torque / system.arm
     own = np.einsum("ajj->aj", system.linear)
-    approach = own * force + law.approach(force, system.radius, system.depth1, system.depth2)
+    approach = own * force + law.approach(force, system.line)
     alone: Array = system.gap + approach / system.lever
     return alone
 

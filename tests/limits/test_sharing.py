@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearfem.contact import HertzLine
+from gearfem.contact import EdgedLine, Line
 from gearfem.definition.setup import Material
 from gearfem.engagement.sharing import PairSystem, share_error, share_torque, share_two_pairs
 from gearfem.foundation import Array
 
-STEEL = HertzLine(pinion=Material(), wheel=Material())
+STEEL = EdgedLine(pinion=Material(), wheel=Material())
 
 
 class LinearLaw:
@@ -40,9 +40,13 @@ def random_system(pairs: int, angles: int = 200, coupled: bool = True, seed: int
         lever=random.uniform(0.9, 1.1, shape),
         arm=random.uniform(0.9, 1.1, shape) * 0.06 * 0.075,
         gap=gap,
-        radius=10.0 ** random.uniform(-4.0, -1.5, shape),
-        depth1=random.uniform(1e-3, 5e-3, shape),
-        depth2=random.uniform(1e-3, 5e-3, shape),
+        line=Line(
+            radius=10.0 ** random.uniform(-2.5, -1.5, shape),
+            depth1=random.uniform(1e-3, 5e-3, shape),
+            depth2=random.uniform(1e-3, 5e-3, shape),
+            edge=random.choice([-1e-5, 1e-4, 1e-3], shape) * random.uniform(0.0, 1.0, shape),
+            edge_radius=np.full(shape, 1e-4),
+        ),
     )
 
 
@@ -74,9 +78,7 @@ def test_the_papers_three_cases(backlash: float) -> None:
         lever=one,
         arm=one * arm * width,
         gap=np.array([[0.0, backlash]]),
-        radius=0.01 * one,
-        depth1=one,
-        depth2=one,
+        line=Line(0.01 * one, one, one, one, one),
     )
     load = 1e4
     first, second = (share_torque(system, law, load * arm).force * width)[0]
