@@ -105,7 +105,8 @@ def _edge_cosine(distance: Array, sharpness: Array) -> Array:
     before = 1.0 - np.maximum(distance, 0.0)
     # Asymptote of a sharp edge with its band just over it (before) and far over it (past); otherwise that of a blunt one.
     sharp = np.cos(np.minimum(np.cbrt(3.0 * np.pi * (before / sharpness + 2.0 * past)), np.pi))
-    cosine = np.maximum(sharp, np.where(distance < 0.0, distance / np.sqrt(1.0 + sharpness), distance))
+    blunt = np.where(distance < 0.0, distance / np.sqrt(1.0 + sharpness), distance)
+    cosine = np.clip(np.maximum(sharp, blunt), -1.0, 1.0)
     for _ in range(ITERATIONS):
         angle, sine, load, reached = _integrals(cosine, sharpness)
         slope = 1.0 + sharpness / np.pi * (angle + reached * sine / load)

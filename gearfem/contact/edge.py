@@ -69,9 +69,10 @@ class EdgedLine(Record):
       at F/(E* rho) = 0.02 and 1 % at 0.1. The tip arc beyond the round is not reached: the band ends 0.3 rho
       past the edge at 0.02 and 0.7 rho at 0.1, rounds end after 0.8 rho or more.
     - On the round the equivalent curvature is 1/rho + 1/R, where 1/rho + 1/R2 is exact (R2 of the other body):
-      0.05 % of the approach at R = 180 rho.
-    - Depths count from the law of Hertz under the rigid contact point. A band whose centre is off by x has
-      approaches too small by 1.2 (x/d)^2 of the square bracket in `HertzLine` (0.2 % at d = 10 a).
+      less than rho/R in the radius, 0.1 % of the approach at R = 180 rho.
+    - Depths count along the normal at the rigid contact point. Each square bracket in `HertzLine` is then too small by
+      (2 - nu)/(2 (1 - nu)) (mean x^2 - a_e^2/4)/d^2, x^2 weighted by the pressure: below 0.3 % of the
+      approach at d = 5 a, 0.1 % at 10 a.
     - A tooth ends beside its tip edge, where a half plane goes on; the material missing there is left out.
 
     The approach is continuous in edge and load, grows with the load and is concave in it. Over `edge` it has a
