@@ -7,7 +7,17 @@ from typing import Literal
 
 import numpy as np
 
-from gearfem.compliance import Bore, Castigliano, FiniteElements, PlaneStrain, PlaneStress, Root, load_positions, make_compliance
+from gearfem.compliance import (
+    Bore,
+    Castigliano,
+    FiniteElements,
+    PlaneStrain,
+    PlaneStress,
+    Root,
+    load_positions,
+    make_compliance,
+    with_error,
+)
 from gearfem.compliance.record import Compliance, ComplianceCurve
 from gearfem.contact import EdgedLine
 from gearfem.definition.setup import Member, Setup
@@ -91,7 +101,7 @@ def run(
     angles : ndarray, shape (n,), optional
         Pinion angles of the engagement [rad]; by default 401 from -1 to +1 pitch around the pitch point.
     comparison : bool
-        Whether compliance is computed by the other methods and supports too.
+        Whether compliance is computed by the other methods and supports too, all with estimates of their errors.
     progress : Progress
         Told how far the work is.
 
@@ -157,7 +167,7 @@ def compare_methods(flanks: Flanks, progress: Progress = quiet) -> tuple[tuple[M
         progress("compliance by other methods", number, len(jobs))
         outline = flanks.pinion if member == "pinion" else flanks.wheel
         positions = load_positions(outline)
-        curves.append((member, method.curve(outline, positions[positions <= 3.0])))
+        curves.append((member, with_error(method, outline, method.curve(outline, positions[positions <= 3.0]))))
     progress("compliance by other methods", len(jobs), len(jobs))
     return tuple(curves)
 
@@ -165,6 +175,10 @@ def compare_methods(flanks: Flanks, progress: Progress = quiet) -> tuple[tuple[M
 def _with_compliance(results: Results, comparison: bool, progress: Progress) -> Results:
     compliance = make_compliance(results.flanks)
     progress("flanks and compliance", 2, 2)
+    if comparison:
+        method, flanks = FiniteElements(), results.flanks
+        teeth = {member: with_error(method, getattr(flanks, member), compliance.of(member)) for member in MEMBERS}
+        compliance = Compliance(**teeth)
     pair = results.setup.pair
     return dataclasses.replace(
         results,

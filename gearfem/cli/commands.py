@@ -81,7 +81,9 @@ def run(model: str, out: str, overrides: tuple[str, ...]) -> None:
 @_model_command
 @_support
 def compliance(model: str, out: str, overrides: tuple[str, ...], support: str) -> None:
-    """Write compliance.csv: deflection of one tooth of each gear over the radius of the load.
+    """Write compliance.csv, the deflection of one tooth of each gear over the radius of the load, and body.csv.
+
+    body.csv takes the deflection apart: tooth, body, wind-up about the bore, and what the next teeth feel.
 
     \b
     Units: um per N/mm of line load, radius in mm.

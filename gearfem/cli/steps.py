@@ -11,7 +11,19 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 
-from gearfem.compliance import Bore, Castigliano, FiniteElements, PlaneStrain, PlaneStress, Root, RootChord, load_positions
+from gearfem.compliance import (
+    Bore,
+    Castigliano,
+    FiniteElements,
+    PlaneStrain,
+    PlaneStress,
+    Root,
+    RootChord,
+    body_compliance,
+    load_positions,
+    with_error,
+)
+from gearfem.compliance.body import BodyCompliance
 from gearfem.compliance.record import ComplianceCurve
 from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.engagement.engage import engage
@@ -24,6 +36,7 @@ from gearfem.pipeline import run as run_chain
 from gearfem.report import (
     Rendering,
     summarise,
+    write_body,
     write_compliance,
     write_dynamics,
     write_kinematics,
@@ -60,7 +73,8 @@ def say(done: Done) -> None:
 def everything(setup: Setup, out: Path, progress: Progress) -> Done:
     """Run the whole chain and write every file of it."""
     results = run_chain(setup, comparison=True, progress=progress)
-    files = [write_compliance(results, out), write_stiffness(results, out), write_kinematics(results, out), *write_dynamics(results, out)]
+    files = [write_compliance(results, out), write_body(setup, _bodies(results.flanks), out)]
+    files += [write_stiffness(results, out), write_kinematics(results, out), *write_dynamics(results, out)]
     files.append(write_summary(results, out))
     progress("pictures", 0, 3)
     renderings = [_draw(results.setup, results.flanks, member, out) for member in MEMBERS]
@@ -87,15 +101,20 @@ def compliance(setup: Setup, out: Path, support: str, progress: Progress) -> Don
         positions = positions[positions <= 3.0]
         for method in methods:
             progress("compliance", len(curves), 2 * len(methods))
-            curve = method.curve(outline, positions)
+            curve = with_error(method, outline, method.curve(outline, positions))
             curves.append((member, curve))
             low, high = curve.deflection.min() / UM_PER_N_PER_MM, curve.deflection.max() / UM_PER_N_PER_MM
             left = positions.size - curve.u.size
             note = f"; {left} positions left out, whose load line crosses the centreline below the support" if left else ""
-            lines.append(f"{member}, {curve.method}, {curve.support}: {low:.5f} to {high:.5f} um per N/mm{note}")
+            assert curve.error is not None
+            error = f" (error of the numbers at most {100.0 * curve.error.max():.1g} %)"
+            lines.append(f"{member}, {curve.method}, {curve.support}: {low:.5f} to {high:.5f} um per N/mm{error}{note}")
     progress("compliance", 2 * len(methods), 2 * len(methods))
     results = Results(setup=setup, flanks=flanks, comparison=tuple(curves), assumptions=setup.assumptions)
-    return Done(lines, [write_compliance(results, out)])
+    parts = _bodies(flanks)
+    return Done(
+        lines + [_body_line(member, part) for member, part in parts], [write_compliance(results, out), write_body(setup, parts, out)]
+    )
 
 
 def stiffness(setup: Setup, out: Path, steps: int, torques: Sequence[float], progress: Progress) -> Done:
@@ -147,6 +166,21 @@ def render(setup: Setup, out: Path, members: Sequence[str], progress: Progress) 
 
 def _outline(flanks: Flanks, member: Member) -> Outline:
     return flanks.pinion if member == "pinion" else flanks.wheel
+
+
+def _bodies(flanks: Flanks) -> tuple[tuple[Member, BodyCompliance], ...]:
+    """Return the parts of the deflection of both gears at the load positions of the flank."""
+    outlines = {member: _outline(flanks, member) for member in MEMBERS}
+    positions = {member: load_positions(outline) for member, outline in outlines.items()}
+    return tuple((member, body_compliance(outline, positions[member][positions[member] <= 3.0])) for member, outline in outlines.items())
+
+
+def _body_line(member: Member, part: BodyCompliance) -> str:
+    share, felt = (100.0 * values / part.whole for values in (part.wind_up, part.neighbours[:, 0]))
+    return (
+        f"{member}, body: wind-up about the bore is {share.min():.0f} to {share.max():.0f} % of the deflection, "
+        f"the next tooth moves by {felt.min():.0f} to {felt.max():.0f} % of it"
+    )
 
 
 def _angles(pair: GearPair, steps: int) -> Array:

@@ -1,14 +1,16 @@
 """Tooth compliance: deflection per line load over the load's position, teeth, bodies and coupling."""
 
+from gearfem.compliance.body import BodyCompliance, annulus_wind_up, body_compliance
 from gearfem.compliance.castigliano import Castigliano, FilletMiddle, FormCircle, RootEnd
 from gearfem.compliance.elasticity import PlaneStrain, PlaneStress
 from gearfem.compliance.field import Field
 from gearfem.compliance.finite_elements import FiniteElements
 from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
-from gearfem.compliance.stage import load_positions, make_compliance
+from gearfem.compliance.stage import load_positions, make_compliance, with_error
 from gearfem.compliance.supports import Bore, Root, RootChord
 
 __all__ = [
+    "BodyCompliance",
     "Bore",
     "Castigliano",
     "Compliance",
@@ -23,6 +25,9 @@ __all__ = [
     "RootChord",
     "RootEnd",
     "ToothCompliance",
+    "annulus_wind_up",
+    "body_compliance",
     "load_positions",
     "make_compliance",
+    "with_error",
 ]

@@ -25,6 +25,9 @@ class ComplianceCurve(Record):
         Deflection per line load [m per N/m].
     depth : ndarray, shape (n,)
         Distance from the load point to the centreline along the load line [m].
+    error : ndarray, shape (n,), optional
+        Estimate of the relative error of `deflection` that the method's own arithmetic makes: of the mesh for finite
+        elements, of rounding for a closed form. It says nothing of what the method leaves out.
     """
 
     method: str
@@ -33,6 +36,7 @@ class ComplianceCurve(Record):
     radius: Array
     deflection: Array
     depth: Array
+    error: Array | None = None
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

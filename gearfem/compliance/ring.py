@@ -88,6 +88,7 @@ class Ring:
         self.teeth, self._nodes = teeth, nodes
         cut = section.upper[~np.isin(section.upper, section.held)]
         fixed = np.isin(np.arange(nodes), section.held)
+        self._cut = cut
         axis = section.mesh.doflocs[1] == 0.0
         wanted = np.concatenate([section.outline, section.centreline]) if ports is None else ports
         ports = np.setdiff1d(wanted, np.concatenate([cut, section.held]))
@@ -199,6 +200,24 @@ class Ring:
         table: Array = condensed.T @ self.cuts(condensed, offsets)
         return table
 
+    def wind_up(self, load: Array) -> tuple[Ids, Array]:
+        """Return nodes of a cut and their tangential displacements under loads shared evenly by all sectors.
+
+        Parameters
+        ----------
+        load : ndarray, shape (2 n, k)
+            Nodal forces on one sector, of which each sector takes its part of 1/teeth: harmonic 0 of the loads.
+
+        Returns
+        -------
+        nodes : ndarray of int, shape (c,)
+        displacement : ndarray, shape (c, k)
+            Towards growing polar angles [m].
+        """
+        condensed, size = self.condense(load), len(self._flip)
+        moved = self._harmonics[1][0] @ (condensed[:size] + condensed[size:])
+        return self._cut, moved[size // 2 :] / self.teeth
+
     def displacements(self, load: Array, offsets: tuple[int, ...]) -> Array:
         """Return nodal displacements of several sectors, each in its own frame, shape (len(offsets), 2 n, k)."""
         size = len(self._flip)
@@ -257,34 +276,3 @@ def _mirror(places: Array) -> Ids:
     mirror = np.empty(places.shape[1], dtype=np.int64)
     mirror[np.lexsort((places[1], places[0]))] = np.lexsort((-places[1], places[0]))
     return mirror
-
-
-class Alone:
-    """One tooth, held at its root: the counterpart of `Ring` without neighbours.
-
-    Parameters
-    ----------
-    section : SectionMesh
-        The tooth.
-    stiffness : csc_matrix, shape (2 n, 2 n)
-        Its stiffness matrix [Pa].
-    """
-
-    def __init__(self, section: SectionMesh, stiffness: Any) -> None:
-        nodes = section.mesh.doflocs.shape[1]
-        free = np.setdiff1d(np.arange(nodes), section.held)
-        self._free = np.concatenate([free, free + nodes])
-        self._factors = factorise(stiffness[self._free][:, self._free])
-
-    def deflection(self, load: Array, reading: Array) -> Array:
-        """Return what each reading shows under the load of the same column, shape (k,)."""
-        shown: Array = np.einsum("ij,ij->j", reading, self.displacements(load, (0,))[0])
-        return shown
-
-    def displacements(self, load: Array, offsets: tuple[int, ...]) -> Array:
-        """Return the nodal displacements, shape (1, 2 n, k); there is no other sector than 0."""
-        if offsets != (0,):
-            raise ValueError(f"a tooth held at its root has no neighbours {offsets}")
-        result = np.zeros_like(load)
-        result[self._free] = self._factors.solve(np.ascontiguousarray(load[self._free]))
-        return result[None]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+import dataclasses
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.compliance.finite_elements import FiniteElements
-from gearfem.compliance.record import Compliance, ToothCompliance
+from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
 from gearfem.flank import Flanks, Outline
 from gearfem.foundation import Array
 from gearfem.foundation.progress import Progress, quiet
@@ -22,6 +23,39 @@ class ToothMethod(Protocol):
 
     def tooth(self, outline: Outline, u: ArrayLike) -> ToothCompliance:
         """Return the compliance over load positions."""
+
+
+class CurveMethod(Protocol):
+    """A way to compute a compliance curve and to estimate its error."""
+
+    def curve(self, outline: Outline, u: ArrayLike) -> ComplianceCurve:
+        """Return the compliance over load positions."""
+
+    def error(self, outline: Outline, u: ArrayLike) -> Array:
+        """Return the estimated relative error of `curve`, of the positions it keeps."""
+
+
+Curve = TypeVar("Curve", bound=ComplianceCurve)
+
+
+def with_error(method: CurveMethod, outline: Outline, curve: Curve) -> Curve:
+    """Return a curve with the estimate of its error beside it.
+
+    Parameters
+    ----------
+    method : CurveMethod
+        Method that computed the curve.
+    outline : Outline
+        Outline of the tooth.
+    curve : ComplianceCurve
+        The curve; one with the coupling of neighbours keeps it.
+
+    Returns
+    -------
+    ComplianceCurve
+        The same with `error`.
+    """
+    return dataclasses.replace(curve, error=method.error(outline, curve.u))
 
 
 def load_positions(outline: Outline, count: int = 40) -> Array:

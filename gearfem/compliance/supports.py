@@ -5,8 +5,9 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, ClassVar, Protocol
 
+from gearfem.compliance.alone import Alone
 from gearfem.compliance.patchwork import Ids
-from gearfem.compliance.ring import Alone, Ring
+from gearfem.compliance.ring import Ring
 from gearfem.compliance.section_mesh import SectionMesh, root_mesh, sector_mesh
 from gearfem.flank import Outline
 from gearfem.foundation import Array, Record

@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gearfem.report.body_table import write_body
     from gearfem.report.html import write_report
     from gearfem.report.plots import write_pictures
     from gearfem.report.render import Rendering, write_render, write_vtu
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Rendering",
     "summarise",
+    "write_body",
     "write_compliance",
     "write_dynamics",
     "write_kinematics",
@@ -31,6 +33,7 @@ _HOMES = {
     "plots": ("write_pictures",),
     "render": ("Rendering", "write_render", "write_vtu"),
     "summary": ("summarise",),
+    "body_table": ("write_body",),
     "tables": ("write_compliance", "write_dynamics", "write_kinematics", "write_stiffness", "write_summary"),
 }
 

@@ -22,6 +22,7 @@ from gearfem.report.summary import summarise
 FILES = {
     "summary.json": "the numbers of this page and more",
     "compliance.csv": "deflection per line load over the load radius",
+    "body.csv": "that deflection taken apart: tooth, body, wind-up; what the next teeth feel",
     "mesh_stiffness.csv": "stiffness, transmission error and load shares over the pinion angle",
     "kinematics.csv": "gear ratios, contact points and velocities of every pair in contact",
     "rigid.csv": "motion of the rigid model",
