@@ -39,15 +39,15 @@ class Mesh(Record):
     compliance: Compliance
     law: LineLaw
 
-    @property
-    def pairs(self) -> tuple[int, ...]:
-        """Pairs that may touch within one pitch either side of angle 0, corner contact included."""
-        reach = math.ceil(self.placement.pair.contact_ratio) + 1
-        return tuple(range(-reach, reach + 1))
+    def pairs(self, pinion_angle: Array) -> tuple[int, ...]:
+        """Return the pairs that may touch at any of these angles [rad], corner contact included."""
+        pitches = np.asarray(pinion_angle) / self.placement.pair.pinion.pitch_angle
+        reach = math.ceil(self.placement.pair.contact_ratio)
+        return tuple(range(math.floor(pitches.min()) - reach, math.ceil(pitches.max()) + reach + 1))
 
     def contacts(self, pinion_angle: Array) -> Contacts:
         """Return the contacts of all pairs in reach at angles [rad], shape (n,)."""
-        return find_contacts(self.flanks, self.placement, pinion_angle, self.pairs)
+        return find_contacts(self.flanks, self.placement, pinion_angle, self.pairs(pinion_angle))
 
     def system(self, contacts: Contacts) -> PairSystem:
         """Return the pairs at these contacts, ready to be loaded."""
@@ -100,7 +100,8 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
         raise InputError("pinion torque", f"{torque:g} N m", "a positive torque: without one nothing holds the flanks together")
     pair = mesh.placement.pair
     small = DIFFERENCE * pair.pinion.pitch_angle
-    shared = {shift: _share(mesh, pinion_angle + shift * small, torque) for shift in (-1, 0, 1)}
+    pairs = mesh.pairs(pinion_angle)
+    shared = {shift: _share(mesh, pinion_angle + shift * small, pairs, torque) for shift in (-1, 0, 1)}
     contacts, sharing = shared[0]
     change = (shared[1][1].transmission_error - shared[-1][1].transmission_error) / (2.0 * small)
     force = sharing.force * pair.face_width
@@ -121,8 +122,8 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     )
 
 
-def _share(mesh: Mesh, angle: Array, torque: float) -> tuple[Contacts, Sharing]:
-    contacts = mesh.contacts(angle)
+def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> tuple[Contacts, Sharing]:
+    contacts = find_contacts(mesh.flanks, mesh.placement, angle, pairs)
     return contacts, share_torque(mesh.system(contacts), mesh.law, torque)
 
 

@@ -50,6 +50,16 @@ def test_everything_repeats_after_a_pitch(engagement) -> None:
         assert values[: half + 1] == pytest.approx(values[half:], rel=1e-8), name
 
 
+def test_any_angle_can_be_asked(setup, mesh) -> None:
+    """Angles many pitches away repeat those near 0, with the numbers of their own pairs."""
+    pitch, torque = setup.pair.pinion.pitch_angle, setup.operation.pinion_torque
+    near = engage(mesh, np.array([0.1, 0.4, 0.6]) * pitch, torque)
+    far = engage(mesh, np.array([7.1, 7.4, 7.6]) * pitch, torque)
+    assert far.transmission_error == pytest.approx(near.transmission_error, rel=1e-9)
+    number = far.contacts.pairs.index(7)
+    assert far.load_share[:, number] == pytest.approx(near.load_share[:, near.contacts.pairs.index(0)], rel=1e-8)
+
+
 def test_energy_is_conserved_over_a_pitch(setup, mesh) -> None:
     """The wheel's work is the pinion's: the mean of sum P l2/sum P l1 over phi2 is z2/z1, whatever the teeth store."""
     pitch = setup.pair.pinion.pitch_angle
