@@ -112,11 +112,17 @@ def summarise(results: Results) -> dict[str, Any]:
         scaled |= {"castigliano_over_fe_min": ratios.min(), "castigliano_over_fe_max": ratios.max()}
     return {
         "name": results.setup.name,
-        **{name: np.asarray(value).tolist() for name, value in scaled.items()},
+        **{name: _twelve_digits(value) for name, value in scaled.items()},
         "assumptions": list(dict.fromkeys((*results.assumptions, *iso.assumptions))),
         "version": version(),
         "model_sha256": model_sha256(results.setup),
     }
+
+
+def _twelve_digits(value: Any) -> Any:
+    """Return numbers without the rounding of the change of units, which would show as 76.16999999999999."""
+    values = np.asarray(value)
+    return [_twelve_digits(item) for item in values] if values.ndim else float(f"{values.item():.12g}")
 
 
 def _geometry(pair: GearPair) -> dict[str, Any]:
