@@ -51,18 +51,20 @@ class _Scene(NamedTuple):
     load_direction: Array
     centre: Array
     reach: float
+    arrow: float
+    bar: tuple[float, float]
     title: str
 
-    @property
-    def cells(self) -> NDArray[Any]:
-        """Four bilinear cells for each biquadratic element, which keep its curved sides and all its nodes."""
-        parts = ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3))
-        return np.concatenate([self.quads[:, part] for part in parts])
 
-    @property
-    def loops(self) -> NDArray[Any]:
-        """Nodes around each element, corners and mid-sides, closed."""
-        return self.quads[:, (0, 4, 1, 5, 2, 6, 3, 7, 0)]
+def parts(quads: NDArray[Any]) -> NDArray[Any]:
+    """Return four bilinear cells for each biquadratic element, which keep its curved sides and all its nodes."""
+    own = ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3))
+    return np.concatenate([quads[:, part] for part in own])
+
+
+def loops(quads: NDArray[Any]) -> NDArray[Any]:
+    """Return the nodes around each biquadratic element, corners and mid-sides, closed."""
+    return quads[:, (0, 4, 1, 5, 2, 6, 3, 7, 0)]
 
 
 @functools.cache
@@ -73,7 +75,7 @@ def opengl_works() -> bool:
     -----
     Without libEGL, VTK ends the process by a segmentation fault rather than an exception, hence the subprocess.
     """
-    _choose_window()
+    choose_window()
     try:
         done = subprocess.run([sys.executable, "-c", _PROBE], capture_output=True, timeout=120, check=False)
     except (OSError, subprocess.TimeoutExpired):
@@ -81,7 +83,8 @@ def opengl_works() -> bool:
     return done.returncode == 0
 
 
-def _choose_window() -> None:
+def choose_window() -> None:
+    """Make VTK draw without a display where there is none."""
     # Read by VTK when it makes its first window; a display that exists keeps VTK's own choice.
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
@@ -94,6 +97,7 @@ def write_render(
     outline: Outline,
     scale: float | None = None,
     opengl: bool | None = None,
+    body: bool = False,
 ) -> Rendering:
     """Draw the deformed tooth, coloured by von Mises stress, over its undeformed outline.
 
@@ -107,9 +111,11 @@ def write_render(
         Outline of the undeformed tooth.
     scale : float, optional
         Factor by which displacements are enlarged; by default the number of the form 1, 2 or 5 times a power
-        of ten that draws the largest at no more than 5 % of the module.
+        of ten that draws the largest at no more than 5 % of the module, or 20 % with the body.
     opengl : bool, optional
         True for pyvista, False for matplotlib; by default whichever works.
+    body : bool
+        Whether the picture reaches down to the bore and shows all sectors of the field, instead of the tooth with its root.
 
     Returns
     -------
@@ -121,9 +127,7 @@ def write_render(
     InputError
         If the scale is not positive.
     """
-    if scale is not None and not (math.isfinite(scale) and scale > 0.0):
-        raise InputError("scale", scale, "a factor above 0")
-    scene = _compose(field, outline, scale)
+    scene = _compose(field, outline, scale, body)
     works = opengl_works() if opengl is None else opengl
     with whole(Path(out_png)) as temporary:
         if works:
@@ -161,16 +165,21 @@ def write_vtu(field: Field, path: Path) -> Path:
     return Path(path)
 
 
-def _compose(field: Field, outline: Outline, scale: float | None) -> _Scene:
+def _compose(field: Field, outline: Outline, scale: float | None, body: bool = False) -> _Scene:
     module = outline.gear.module
     largest = float(np.hypot(*field.displacement.T).max())
-    scale = _round_down(0.05 * module / largest) if scale is None else scale
+    scale = drawn_scale(scale, 4.0 * module if body else module, largest)
     # The stress under a line load has no limit: the colours end at the largest one elsewhere.
     far = np.hypot(*(field.nodes - field.load_point).T) > 0.4 * module
     polar = np.arctan2(field.nodes[:, 1], field.nodes[:, 0])
     neighbours = max((round(float(np.ptp(polar)) / outline.gear.pitch_angle) - 1) // 2, 0)
-    middle = 0.5 * (outline.gear.root_radius + outline.gear.tip_radius) - 0.15 * module
-    size = f"largest displacement {largest / UM:.4g} µm, drawn {scale:g} times larger"
+    middle = np.array([0.5 * (outline.gear.root_radius + outline.gear.tip_radius) - 0.15 * module, 0.0])
+    reach, bar = 2.1 * module, (0.77, 0.62)
+    if body:
+        low, high = field.nodes.min(axis=0), field.nodes.max(axis=0)
+        reach = 0.5 * max((high[0] - low[0]) / 0.82, (high[1] - low[1]) / 0.95 * WINDOW[1] / WINDOW[0])
+        # The title takes the top left; a fan of sectors leaves the top right to the colour bar.
+        middle, bar = 0.5 * (low + high) + (0.12 * reach, 0.0), (0.84, 0.64)
     return _Scene(
         moved=_upright(field.nodes + scale * field.displacement) / MM,
         quads=field.quads,
@@ -179,10 +188,27 @@ def _compose(field: Field, outline: Outline, scale: float | None) -> _Scene:
         outline=_upright(teeth_around(outline, neighbours)) / MM,
         load_tip=_upright(field.load_point) / MM,
         load_direction=_upright(field.load_direction),
-        centre=_upright(np.array([middle, 0.0])) / MM,
-        reach=2.1 * module / MM,
-        title=f"Line load {field.force_per_width / N_PER_MM:.4g} N/mm; {size}",
+        centre=_upright(middle) / MM,
+        reach=reach / MM,
+        arrow=0.95 * module / MM,
+        bar=bar,
+        title=describe(field.force_per_width, largest, scale),
     )
+
+
+def drawn_scale(scale: float | None, module: float, largest: float) -> float:
+    """Return the factor of the displacements, by default a round one that draws the largest at 5 % of the module or less."""
+    if scale is None:
+        return _round_down(0.05 * module / largest)
+    if not (math.isfinite(scale) and scale > 0.0):
+        raise InputError("scale", scale, "a factor above 0")
+    return scale
+
+
+def describe(force_per_width: float, largest: float, scale: float) -> str:
+    """Return the title of a picture: load, true displacement and the scale at which it is drawn."""
+    drawn = "at its true scale" if scale == 1.0 else f"{scale:g} times larger"
+    return f"Line load {force_per_width / N_PER_MM:.4g} N/mm; largest displacement {largest / UM:.4g} µm, drawn {drawn}"
 
 
 def _round_down(value: float) -> float:
@@ -200,29 +226,29 @@ LIMIT = "Colours end at the largest stress away from the load, under which it ha
 
 
 def _draw_pyvista(scene: _Scene, path: Path) -> None:
-    _choose_window()
+    choose_window()
     # Loaded by name: the decorators of pyvista hide the signatures of its own methods from a type check.
     pyvista: Any = importlib.import_module("pyvista")
 
-    mesh = pyvista.PolyData(_lift(scene.moved, 0.0), faces=_counted(scene.cells))
+    mesh = pyvista.PolyData(_lift(scene.moved, 0.0), faces=counted(parts(scene.quads)))
     mesh.point_data[BAR] = scene.stress
     plotter = pyvista.Plotter(off_screen=True, window_size=WINDOW)
     plotter.set_background("white")
-    # Upright in the space between two teeth, the one place that is white for every gear.
+    # Upright in the space between two teeth, the one place that is white for every gear seen so near.
     bar = {
         "title": BAR.replace(", ", ",\n") + "\n",
         "vertical": True,
-        "position_x": 0.77,
-        "position_y": 0.62,
+        "position_x": scene.bar[0],
+        "position_y": scene.bar[1],
         "width": 0.08,
         "height": 0.27,
     }
     bar |= {"color": "black", "n_labels": 5, "fmt": "%.0f", "title_font_size": 28, "label_font_size": 28}
     plotter.add_mesh(mesh, scalars=BAR, cmap="viridis", clim=(0.0, scene.limit), lighting=False, scalar_bar_args=bar)
-    edges = pyvista.PolyData(_lift(scene.moved, 0.005 * scene.reach), lines=_counted(scene.loops))
+    edges = pyvista.PolyData(_lift(scene.moved, 0.005 * scene.reach), lines=counted(loops(scene.quads)))
     plotter.add_mesh(edges, color="white", opacity=0.35, line_width=1.0, lighting=False)
     plotter.add_lines(_lift(scene.outline, 0.01 * scene.reach), color="black", width=3, connected=True)
-    length = 0.45 * scene.reach
+    length = scene.arrow
     tail = scene.load_tip - length * scene.load_direction
     arrow = pyvista.Arrow(
         start=_lift(tail, 0.02 * scene.reach),
@@ -244,7 +270,7 @@ def _draw_pyvista(scene: _Scene, path: Path) -> None:
     plotter.close()
 
 
-def _counted(cells: NDArray[Any]) -> NDArray[Any]:
+def counted(cells: NDArray[Any]) -> NDArray[Any]:
     """Put the number of its nodes before each cell, as VTK wants."""
     return np.hstack([np.full((len(cells), 1), cells.shape[1]), cells]).ravel()
 
@@ -260,13 +286,14 @@ def _draw_matplotlib(scene: _Scene, path: Path) -> None:
     from gearfem.report import style
 
     figure, (axis,) = style.styled(style.make_figure)(style.SQUARE)
-    triangles = np.concatenate([scene.cells[:, [0, 1, 2]], scene.cells[:, [0, 2, 3]]])
+    cells = parts(scene.quads)
+    triangles = np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
     surface = Triangulation(scene.moved[:, 0], scene.moved[:, 1], triangles)
     colours = axis.tripcolor(surface, scene.stress, shading="gouraud", cmap="viridis", vmin=0.0, vmax=scene.limit)
-    edges = LineCollection(list(scene.moved[scene.loops]), colors=(1.0, 1.0, 1.0, 0.35), linewidths=0.4)
+    edges = LineCollection(list(scene.moved[loops(scene.quads)]), colors=(1.0, 1.0, 1.0, 0.35), linewidths=0.4)
     axis.add_collection(edges)
     axis.plot(*scene.outline.T, color="black", linewidth=1.2)
-    tail = scene.load_tip - 0.45 * scene.reach * scene.load_direction
+    tail = scene.load_tip - scene.arrow * scene.load_direction
     arrow = {"color": style.VERMILION, "width": 3, "headwidth": 10, "headlength": 10, "shrink": 0.0}
     axis.annotate("", xy=tuple(scene.load_tip), xytext=tuple(tail), arrowprops=arrow)
     axis.set_xlim(scene.centre[0] - 1.1 * scene.reach, scene.centre[0] + 1.1 * scene.reach)

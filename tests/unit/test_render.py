@@ -88,7 +88,7 @@ def test_probe_does_not_run_twice(monkeypatch):
 
 
 def test_without_a_display_vtk_is_told_to_use_egl():
-    code = "import os; from gearfem.report import render; render._choose_window(); print(os.environ.get('VTK_DEFAULT_OPENGL_WINDOW'))"
+    code = "import os; from gearfem.report import render; render.choose_window(); print(os.environ.get('VTK_DEFAULT_OPENGL_WINDOW'))"
     bare = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "VTK_DEFAULT_OPENGL_WINDOW")}
     for environment, answer in ((bare, "vtkEGLRenderWindow"), ({**bare, "DISPLAY": ":0"}, "None")):
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
@@ -113,7 +113,7 @@ def test_impossible_scale_is_refused(field, outline, tmp_path, scale):
 
 def test_smaller_cells_cover_the_element_once(field, outline):
     scene = render._compose(field, outline, 1.0)
-    corners = scene.moved[scene.cells]
+    corners = scene.moved[render.parts(scene.quads)]
     ahead = np.roll(corners, -1, axis=1)
     area = 0.5 * np.sum(corners[..., 0] * ahead[..., 1] - corners[..., 1] * ahead[..., 0], axis=1)
     assert (np.sign(area) == np.sign(area[0])).all()
