@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from gearfem.compliance.elasticity import QUADRATURE, Plane, PlaneStrain, stiffness
 from gearfem.compliance.field import Field, make_field
 from gearfem.compliance.load_lines import LoadLines, covered, forces, load_lines, readings
+from gearfem.compliance.local_depth import local_depth
 from gearfem.compliance.patchwork import refuse_folds
 from gearfem.compliance.record import ComplianceCurve, ToothCompliance
 from gearfem.compliance.ring import Ring, one_thread
@@ -190,7 +191,8 @@ class FiniteElements(Record):
         offsets = tuple(range(-beside, beside + 1))
         with one_thread():
             load = force_per_width * forces(section, lines)
-            moved = self._structure(outline, section, load).displacements(load, offsets)[:, :, 0]
+            matrix = stiffness(section.mesh, self.plane, outline.gear.material)
+            moved = self._structure(outline, section, matrix, load).displacements(load, offsets)[:, :, 0]
         return make_field(section, moved, outline, self.plane, lines, force_per_width)
 
     # ---- steps ------------------------------------------------------------------------------------------
@@ -200,9 +202,8 @@ class FiniteElements(Record):
         refuse_folds(section.mesh, QUADRATURE[0], "change the bore radius, the rack's tip radius or the tip edge radius")
         return section
 
-    def _structure(self, outline: Outline, section: SectionMesh, *weights: Array) -> Structure:
-        """Return the structure that takes these nodal forces and readings."""
-        matrix = stiffness(section.mesh, self.plane, outline.gear.material)
+    def _structure(self, outline: Outline, section: SectionMesh, matrix: Any, *weights: Array) -> Structure:
+        """Return the structure of this stiffness matrix that takes these nodal forces and readings."""
         used = np.any([np.any(weight != 0.0, axis=1).reshape(2, -1).any(axis=0) for weight in weights], axis=0)
         return self.support.structure(section, matrix, outline.gear.teeth, np.flatnonzero(used))
 
@@ -214,7 +215,8 @@ class FiniteElements(Record):
             raise InputError(f"support {self.support.name}", found, "a position higher on the flank, or another support")
         lines = lines.kept(inside)
         load, reading = forces(section, lines), readings(section, lines)
-        return _Loaded(lines, load, reading, self._structure(outline, section, load, reading))
+        matrix = stiffness(section.mesh, self.plane, outline.gear.material)
+        return _Loaded(section, matrix, lines, load, reading, self._structure(outline, section, matrix, load, reading))
 
     def _columns(self, loaded: _Loaded) -> dict[str, Any]:
         return {
@@ -226,10 +228,16 @@ class FiniteElements(Record):
             "depth": loaded.lines.depth,
         }
 
+    def _local_depth(self, outline: Outline, loaded: _Loaded) -> Array:
+        squeezed = loaded.structure.displacements(loaded.load - loaded.reading, (0,))[0]
+        return local_depth(loaded.section, outline, loaded.lines, squeezed, loaded.matrix, self.plane)
+
 
 class _Loaded(NamedTuple):
-    """A structure with its loads and readings, shape (2 n, k)."""
+    """A structure with its mesh, stiffness, and loads and readings of shape (2 n, k)."""
 
+    section: SectionMesh
+    matrix: Any
     lines: LoadLines
     load: Array
     reading: Array
@@ -252,4 +260,5 @@ def _tooth(method: FiniteElements, outline: Outline, u: Array, offsets: tuple[in
         if not isinstance(loaded.structure, Ring):
             raise InputError("support", method.support.name, "bore: a tooth held at its root is not coupled to its neighbours")
         coupling = loaded.structure.coupling(loaded.load, offsets)
-        return ToothCompliance(**method._columns(loaded), offsets=offsets, coupling=coupling)
+        depth = method._local_depth(outline, loaded)
+        return ToothCompliance(**method._columns(loaded), offsets=offsets, coupling=coupling, local_depth=depth)

@@ -112,14 +112,14 @@ def _between(values: Array, wanted: Array) -> Ids:
 def _weights(section: SectionMesh, chain: Ids, edge: Ids, place: Array, tangent: Array, direction: Array) -> Array:
     nodes = section.mesh.doflocs.shape[1]
     ends = np.stack([chain[2 * edge + i] for i in range(3)], axis=1)
-    shape = _shape(_local(section.mesh.doflocs.T[ends], place, tangent))
+    shape = edge_shape(_local(section.mesh.doflocs.T[ends], place, tangent))
     result = np.zeros((2 * nodes, len(edge)))
     for axis in (0, 1):
         np.put_along_axis(result, ends.T + axis * nodes, (shape * direction[:, axis : axis + 1]).T, axis=0)
     return result
 
 
-def _shape(part: Array) -> Array:
+def edge_shape(part: Array) -> Array:
     """Return the quadratic shape functions of an edge at fractions of it, shape (n, 3)."""
     return np.stack([(1.0 - part) * (1.0 - 2.0 * part), 4.0 * part * (1.0 - part), part * (2.0 * part - 1.0)], axis=1)
 
@@ -130,7 +130,7 @@ def _local(ends: Array, place: Array, tangent: Array) -> Array:
     part = np.full(len(place), 0.5)
     for _ in range(30):
         slope = np.stack([4.0 * part - 3.0, 4.0 - 8.0 * part, 4.0 * part - 1.0], axis=1)
-        step = np.einsum("ni,ni->n", _shape(part), along) / np.einsum("ni,ni->n", slope, along)
+        step = np.einsum("ni,ni->n", edge_shape(part), along) / np.einsum("ni,ni->n", slope, along)
         part = part - step
         if np.abs(step).max() < 1e-13:
             break

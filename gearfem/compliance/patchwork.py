@@ -116,6 +116,13 @@ def _second_order(points: Array, quads: Ids) -> tuple[Any, Ids]:
     return skfem.MeshQuad2(places, flat.t), renumber
 
 
+def mirror_images(places: Array) -> Ids:
+    """Return the node at the mirror image in y = 0 of each node of a symmetric mesh, shape (2, n) -> (n,)."""
+    mirror = np.empty(places.shape[1], dtype=np.int64)
+    mirror[np.lexsort((places[1], places[0]))] = np.lexsort((-places[1], places[0]))
+    return mirror
+
+
 def refuse_folds(mesh: Any, quadrature: Array, remedy: str) -> None:
     """Raise SolveError where the map of an element turns over at one of the points of integration.
 

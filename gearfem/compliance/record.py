@@ -52,10 +52,18 @@ class ToothCompliance(ComplianceCurve):
         coupling[k, i, j]: displacement of flank point i of the neighbour offsets[k], along the inward normal
         there, per line load at point j of the loaded tooth [m per N/m]. Reciprocity: the table of -o is the
         transpose of that of +o.
+    local_depth : ndarray, shape (n,)
+        Depth of the half space that yields under a line load as the tooth does between the contact and the centreline [m]:
+        the law of contact adds that part, which `deflection` leaves out. See `gearfem.compliance.local_depth`.
     """
 
     offsets: tuple[int, ...]
     coupling: Array
+    local_depth: Array
+
+    def on_half_space(self) -> ToothCompliance:
+        """Return the same tooth, a half space down to its centreline as the rule of Weber and Banaschek (1953) has it."""
+        return dataclasses.replace(self, local_depth=self.depth)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,3 +82,7 @@ class Compliance(Record):
     def of(self, member: Member) -> ToothCompliance:
         """Return the compliance of one member."""
         return self.pinion if member == "pinion" else self.wheel
+
+    def on_half_space(self) -> Compliance:
+        """Return the same teeth, half spaces between contact and centreline (Weber and Banaschek), for comparison."""
+        return Compliance(pinion=self.pinion.on_half_space(), wheel=self.wheel.on_half_space())

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 from threadpoolctl import threadpool_limits
 
 from gearfem.compliance.dissection import Trailing, dissect
-from gearfem.compliance.patchwork import Ids
+from gearfem.compliance.patchwork import Ids, mirror_images
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.foundation import Array, SolveError
 
@@ -102,7 +102,7 @@ class Ring:
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         # Unknowns of a cut: x and y node by node in the factors, all radial then all tangential in the ring.
         self._polar = np.kron(turn, np.eye(len(cut))).reshape(2, len(cut), -1).swapaxes(0, 1).reshape(2 * len(cut), -1)
-        self._mirror = _mirror(section.mesh.doflocs)
+        self._mirror = mirror_images(section.mesh.doflocs)
         self._flip = np.repeat([1.0, -1.0], len(cut))[:, None]
         self._schur = [self._polar.T @ half.factors.schur @ self._polar for half in self._halves]
 
@@ -269,10 +269,3 @@ class _Half:
         signs = np.array([-1.0, 1.0] if self._odd else [1.0, -1.0])
         moved[:, below] = signs[:, None, None] * moved[:, mirror[below]]
         result += moved
-
-
-def _mirror(places: Array) -> Ids:
-    """Return the node at the mirror image in y = 0 of each node."""
-    mirror = np.empty(places.shape[1], dtype=np.int64)
-    mirror[np.lexsort((places[1], places[0]))] = np.lexsort((-places[1], places[0]))
-    return mirror

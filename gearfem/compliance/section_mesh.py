@@ -19,6 +19,8 @@ MEETING = 1.5
 TOP = 3.5
 # Element size of resolution 1, in modules, and the turn of the outline one element of it may span.
 SIZE, TURN = 0.5, math.radians(25.0)
+# Elements of resolution 1 for each e-fold of the distance from the tip round, on both sides: a load beside it sees it at its own size.
+CROWD = 0.3
 # Towards the bore elements grow with the distance from the root, as the field of a tooth fades, up to half their radius.
 GROWTH, SHARE = 1.0, 0.5
 
@@ -80,11 +82,11 @@ def outline_nodes(outline: Outline, breaks: tuple[float, ...], resolution: float
     -------
     ndarray, shape (2 n + 1,)
         Ends and middles of n elements, the first and the last break included. Elements are equal in length plus, on the fillet,
-        turn.
+        turn; towards the tip round they grow smaller.
     """
     parts = [np.array([breaks[0]])]
     for start, end in itertools.pairwise(breaks):
-        u = np.linspace(start, end, 129)
+        u = _samples(start, end)
         length = np.hypot(*np.diff(outline.point(u), axis=0).T)
         if length.sum() < 1e-9 * outline.gear.module:
             parts[-1][-1] = end if start == breaks[0] else parts[-1][-1]
@@ -94,10 +96,26 @@ def outline_nodes(outline: Outline, breaks: tuple[float, ...], resolution: float
             # An undercut ends in a corner: its end must not be counted as a turn.
             normal = outline.normal(np.minimum(u, np.nextafter(2.0, 1.0)))
             measure = measure + np.abs(np.diff(np.unwrap(np.arctan2(normal[:, 1], normal[:, 0])))) / TURN
+        if end == 3.0 or start == 4.0:
+            away = np.concatenate([[0.0], np.cumsum(length)])
+            away = away if start == 4.0 else away[-1] - away
+            measure = measure + CROWD * np.abs(np.diff(np.log(away + 2.0 * outline.gear.tip_edge_radius)))
         measure = np.concatenate([[0.0], np.cumsum(measure)])
         count = 2 * _count(measure[-1], resolution)
         parts.append(np.interp(np.arange(1, count + 1) / count * measure[-1], measure, u))
     return np.concatenate(parts)
+
+
+def _samples(start: float, end: float) -> Array:
+    """Return parameters along a stretch of the outline, as much closer beside the tip round as elements are."""
+    part = np.linspace(0.0, 1.0, 129)
+    if end == 3.0:
+        part = 1.0 - (1.0 - part) ** 3
+    elif start == 4.0:
+        part = part**3
+    u: Array = start + (end - start) * part
+    u[-1] = end
+    return u
 
 
 def _depths(top: float, bottom: float, first: float, resolution: float) -> Array:

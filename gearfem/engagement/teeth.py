@@ -24,7 +24,7 @@ class PairCompliance(Record):
         linear[a, j, k]: approach of the centrelines of pair j along its load line, per line load on pair k
         [m per N/m], at angle a. The diagonal is the bending and body compliance of both teeth.
     depth1, depth2 : ndarray, shape (n, p)
-        Distance from each contact point to the two centrelines along the load line [m].
+        Depths of the half spaces that yield as the two teeth do between each contact and their centrelines [m].
     """
 
     linear: Array
@@ -77,7 +77,7 @@ def _read(table: ToothCompliance, u: Array, contacts: Contacts, sense: int) -> t
                 raise SolveError(f"the compliance tables do not couple teeth {abs(offset)} pitches apart, which touch at one time")
             coupling = table.coupling[table.offsets.index(offset)]
             linear[:, j, k] = np.einsum("ai,ij,aj->a", weights[:, j], coupling, weights[:, k])
-    return linear, weights @ table.depth
+    return linear, weights @ table.local_depth
 
 
 def _weights(nodes: Array, u: Array) -> NDArray[np.float64]:

@@ -42,7 +42,13 @@ def make_curves(outline, scale=1.0):
     root = 2e-12 * scale * (1.0 + 3.0 * ((radius - radius[0]) / (radius[-1] - radius[0])) ** 2)
     shape = {"u": u, "radius": radius, "depth": np.full_like(u, outline.gear.module)}
     bore = ToothCompliance(
-        method="fe_plane_strain", support="bore", deflection=2.0 * root, offsets=(-1, 1), coupling=np.zeros((2, 41, 41)), **shape
+        method="fe_plane_strain",
+        support="bore",
+        deflection=2.0 * root,
+        offsets=(-1, 1),
+        coupling=np.zeros((2, 41, 41)),
+        local_depth=shape["depth"],
+        **shape,
     )
     beam = ComplianceCurve(method="castigliano", support="root", deflection=1.05 * root, **shape)
     return bore, (ComplianceCurve(method="fe_plane_strain", support="root", deflection=root, **shape), beam)
