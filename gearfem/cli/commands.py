@@ -10,6 +10,7 @@ import click
 
 from gearfem.cli.group import Commands, folder
 from gearfem.cli.listener import Bars
+from gearfem.foundation.errors import InputError
 
 if TYPE_CHECKING:
     from gearfem.definition.setup import Setup
@@ -80,21 +81,35 @@ def run(model: str, out: str, overrides: tuple[str, ...]) -> None:
 @main.command(short_help="Tooth compliance over the load radius.")
 @_model_command
 @_support
-def compliance(model: str, out: str, overrides: tuple[str, ...], support: str) -> None:
+@click.option("--mesh", "mesh_file", default=None, metavar="FILE", help="Take the mesh of one gear from this file; see below.")
+@click.option("--gear", type=GEARS, default=None, help="With --mesh: the gear that it is a mesh of.")
+def compliance(model: str, out: str, overrides: tuple[str, ...], support: str, mesh_file: str | None, gear: str | None) -> None:
     """Write compliance.csv, the deflection of one tooth of each gear over the radius of the load, and body.csv.
 
     body.csv takes the deflection apart: tooth, body, wind-up about the bore, and what the next teeth feel.
+
+    A mesh from outside (any plane format of meshio, in mm, triangles or quadrilaterals of first or second order, the gear's
+    centre at the origin and a tooth along +x) needs the boundary sets `flank`, and `bore` or `root` for what is held: node
+    sets, physical groups, or point data that is not 0 on their nodes.
 
     \b
     Units: um per N/mm of line load, radius in mm.
     Methods: finite elements in plane strain and plane stress; Castigliano's trapezoid, always held at its root.
     Example:
       gearfem compliance model.toml --out results --support root
+      gearfem compliance model.toml --out results --mesh tooth.msh --gear pinion
     """
     from gearfem.cli import steps
 
     target = folder(out)
+    if (mesh_file is None) != (gear is None):
+        raise InputError("--mesh, --gear", "one without the other", "a mesh file together with the gear that it is a mesh of")
     setup = _load(model, overrides)
+    if mesh_file is not None:
+        from gearfem.cli import meshes
+
+        steps.say(meshes.compliance(setup, target, Path(mesh_file), "pinion" if gear == "pinion" else "wheel"))
+        return
     with Bars() as progress:
         done = steps.compliance(setup, target, support, progress)
     steps.say(done)
@@ -184,7 +199,7 @@ def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None) -
 
 @main.command(short_help="Finite-element meshes for other programs.")
 @_model
-@click.option("--out", required=True, metavar="PATH", help="A folder, or one file: *.vtu, *.vtk or *.msh (Gmsh).")
+@click.option("--out", required=True, metavar="PATH", help="A folder, or one file: *.vtu, *.vtk, *.msh, *.inp, *.xdmf ...")
 @_sets
 @click.option("--dim", type=int, default=2, show_default=True, help="Dimension; 2 is the section of the tooth.")
 @click.option("--gear", type=GEARS, default=None, help="One gear; by default both, of a single file the pinion.")
@@ -194,7 +209,8 @@ def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str |
     """Write the finite-element mesh of one tooth with its sector of the gear, mesh_*.vtu.
 
     \b
-    Units: mm. The point data `held` is 1 on nodes that do not move.
+    Units: mm. Boundary sets `bore` (or `root`) and `flank`: physical groups in *.msh, node sets in *.inp, and in *.vtu,
+    *.vtk and *.xdmf point data that is 1 on their nodes.
     Example:
       gearfem mesh model.toml --dim 2 --gear wheel --out wheel.vtu
     """

@@ -1,22 +1,22 @@
-"""Files of finite-element meshes for other programs."""
+"""Finite-element meshes for other programs, and from them."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import meshio
 import numpy as np
-import skfem
 
 from gearfem.cli.steps import SUPPORTS, Done
-from gearfem.compliance.elasticity import ELEMENT
+from gearfem.compliance import FiniteElements, load_positions
+from gearfem.compliance.foreign import check_mesh, foreign_curve
+from gearfem.compliance.mesh_file import FORMATS, format_of, read_mesh, write_section
 from gearfem.definition.setup import Member, Setup
 from gearfem.flank import make_flanks
 from gearfem.foundation import InputError
-from gearfem.foundation.files import whole
-from gearfem.foundation.units import MM
+from gearfem.foundation.units import UM_PER_N_PER_MM
+from gearfem.pipeline import Results
+from gearfem.report import write_compliance
 
-FORMATS = {".vtu": "vtu", ".vtk": "vtk", ".msh": "gmsh22"}
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
 
 
@@ -45,8 +45,7 @@ def targets(out: str, gear: str | None, dimension: int) -> dict[Member, Path]:
         if path.exists() and not path.is_dir():
             raise InputError("--out", f"the file {out}", f"a folder, or a file that ends in {', '.join(FORMATS)}")
         return {member: path / f"mesh_{member}.vtu" for member in wanted}
-    if path.suffix not in FORMATS:
-        raise InputError("--out", out, f"a folder, or a file that ends in {', '.join(FORMATS)}")
+    format_of(path)
     return {wanted[0]: path}
 
 
@@ -67,19 +66,54 @@ def write(setup: Setup, files: dict[Member, Path], support: str, resolution: flo
     InputError
         If the resolution is below 1.
     """
-    from gearfem.compliance import FiniteElements
-
     flanks = make_flanks(setup)
     method = FiniteElements(support=SUPPORTS[support](), resolution=resolution)
     lines = []
     for member, path in files.items():
         section = method.support.section(flanks.pinion if member == "pinion" else flanks.wheel, method.resolution)
-        points = section.mesh.doflocs.T / MM
-        held = np.zeros(len(points))
-        held[section.held] = 1.0
-        cells = np.asarray(skfem.Dofs(section.mesh, ELEMENT).element_dofs).T
-        mesh = meshio.Mesh(np.hstack([points, np.zeros((len(points), 1))]), [("quad9", cells)], point_data={"held": held})
-        with whole(path) as temporary:
-            mesh.write(temporary, file_format=FORMATS[path.suffix])
-        lines.append(f"{member}: {len(cells)} biquadratic quadrilaterals, {len(points)} nodes")
+        said = write_section(section, "bore" if support == "bore" else "root", path)
+        nodes, elements = section.mesh.doflocs.shape[1], section.mesh.t.shape[1]
+        lines.append(f"{member}: {elements} biquadratic quadrilaterals, {nodes} nodes; {said}")
     return Done(lines, list(files.values()))
+
+
+def compliance(setup: Setup, out: Path, file: Path, member: Member) -> Done:
+    """Compute the compliance of one gear on a mesh from a file.
+
+    Parameters
+    ----------
+    setup : Setup
+        Definition of the pair.
+    out : Path
+        Folder.
+    file : Path
+        The mesh.
+    member : {"pinion", "wheel"}
+        The gear that it is a mesh of.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or its mesh is not one of this gear.
+    """
+    flanks = make_flanks(setup)
+    outline = flanks.pinion if member == "pinion" else flanks.wheel
+    positions = load_positions(outline)
+    positions = positions[positions <= 3.0]
+    try:
+        mesh = check_mesh(read_mesh(file), outline)
+        curve = foreign_curve(mesh, outline, positions)
+    except InputError as error:
+        raise error.in_file(str(file)) from None
+    elements = ", ".join(f"{len(cells)} {kind}" for kind, cells in mesh.cells)
+    low, high = curve.deflection.min() / UM_PER_N_PER_MM, curve.deflection.max() / UM_PER_N_PER_MM
+    lines = [
+        f"{member}, {curve.method}, {curve.support}, {elements}: {low:.5f} to {high:.5f} um per N/mm; "
+        f"{positions.size - curve.u.size} of {positions.size} positions left out, off the flank set or with the crossing outside the mesh",
+        "one mesh gives no estimate of its error: compare with a finer one",
+    ]
+    if mesh.support == "bore" and mesh.span < 2.0 * np.pi:
+        span = f"{np.degrees(mesh.span):.1f} degrees"
+        lines.append(f"the mesh holds {span} of the bore, not the whole gear: what is missing beyond its ends makes it too soft")
+    results = Results(setup=setup, flanks=flanks, comparison=((member, curve),), assumptions=setup.assumptions)
+    return Done(lines, [write_compliance(results, out)])

@@ -94,18 +94,40 @@ def stiffness(mesh: Any, plane: Plane, material: Material) -> Any:
     matrices of products of first derivatives; formed for all elements at once from scikit-fem's gradients, they cost a
     quarter of its own assembly.
     """
-    lam, mu = plane.lame(material)
     basis = skfem.CellBasis(mesh, ELEMENT, quadrature=QUADRATURE)
     grad = np.stack([shape[0].grad for shape in basis.basis]).transpose(1, 2, 0, 3)
-    weighted = (grad * basis.dx[None, :, None]).transpose(0, 1, 3, 2)
+    return assemble(grad, basis.dx, np.asarray(basis.element_dofs).T, mesh.doflocs.shape[1], plane.lame(material))
+
+
+def assemble(grad: Array, dx: Array, cells: Any, nodes: int, lame: tuple[float, float]) -> Any:
+    """Assemble the stiffness matrix of elements of one type from the gradients of their shape functions.
+
+    Parameters
+    ----------
+    grad : ndarray, shape (2, m, k, q)
+        Derivatives in x and y of the k shape functions of m elements at q points of integration [1/m].
+    dx : ndarray, shape (m, q)
+        Weights of the points, the area included [m2].
+    cells : ndarray of int, shape (m, k)
+        Nodes of the elements.
+    nodes : int
+        Number n of all nodes.
+    lame : tuple of float
+        lambda and mu of the plane problem [Pa].
+
+    Returns
+    -------
+    csc_matrix, shape (2 n, 2 n)
+        As from `stiffness`.
+    """
+    lam, mu = lame
+    weighted = (grad * dx[None, :, None]).transpose(0, 1, 3, 2)
     xx, xy, yy = (grad[i] @ weighted[j] for i, j in ((0, 0), (0, 1), (1, 1)))
     yx = xy.transpose(0, 2, 1)
     blocks = [[(lam + 2.0 * mu) * xx + mu * yy, lam * xy + mu * yx], [lam * yx + mu * xy, (lam + 2.0 * mu) * yy + mu * xx]]
-    nodes = mesh.doflocs.shape[1]
-    dofs = np.asarray(basis.element_dofs, dtype=np.int32).T
-    unknowns = np.concatenate([dofs, dofs + nodes], axis=1)
-    rows = np.repeat(unknowns, 18, axis=1).ravel()
-    columns = np.tile(unknowns, 18).ravel()
+    unknowns = np.concatenate([cells, cells + nodes], axis=1).astype(np.int32)
+    size = unknowns.shape[1]
+    rows, columns = np.repeat(unknowns, size, axis=1).ravel(), np.tile(unknowns, size).ravel()
     return sparse.coo_array((np.block(blocks).ravel(), (rows, columns)), shape=(2 * nodes, 2 * nodes)).tocsc()
 
 
