@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from gearfem.report.html import write_report
     from gearfem.report.plots import write_pictures
     from gearfem.report.render import Rendering, write_render, write_vtu
+    from gearfem.report.render_solid import write_solid_render
     from gearfem.report.summary import summarise
     from gearfem.report.tables import write_compliance, write_dynamics, write_kinematics, write_stiffness, write_summary
 
@@ -23,6 +24,7 @@ __all__ = [
     "write_pictures",
     "write_render",
     "write_report",
+    "write_solid_render",
     "write_stiffness",
     "write_summary",
     "write_vtu",
@@ -32,6 +34,7 @@ _HOMES = {
     "html": ("write_report",),
     "plots": ("write_pictures",),
     "render": ("Rendering", "write_render", "write_vtu"),
+    "render_solid": ("write_solid_render",),
     "summary": ("summarise",),
     "body_table": ("write_body",),
     "tables": ("write_compliance", "write_dynamics", "write_kinematics", "write_stiffness", "write_summary"),
