@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from gearfem.definition.geometry_checks import check_centre_distance, check_gear, check_pair, check_rack, zero_backlash
+from gearfem.definition.resolve_drive import resolve_chain, resolve_support
 from gearfem.definition.schema import GearTable, MaterialTable, Model, RackTable
 from gearfem.definition.setup import Gear, GearPair, Material, Member, Operation, Rack, Setup
 from gearfem.definition.validate import canonical
@@ -185,6 +186,10 @@ def _operation(model: Model, pair: GearPair, notes: list[str]) -> Operation:
         wheel_inertia=_inertia(table.wheel_inertia_kg_m2, "wheel", pair.wheel, pair.face_width, notes),
         friction_coefficient=table.friction_coefficient,
         damping_ratio=table.damping_ratio,
+        pinion_chain=resolve_chain(model, "pinion", notes),
+        wheel_chain=resolve_chain(model, "wheel", notes),
+        pinion_support=resolve_support(model, "pinion", pair.pinion, pair.face_width, notes),
+        wheel_support=resolve_support(model, "wheel", pair.wheel, pair.face_width, notes),
     )
 
 

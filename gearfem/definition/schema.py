@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+import typing
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 # The upper bound only keeps products of given numbers finite; no gear comes near it in any of the units used.
 Positive = Annotated[float, Field(gt=0.0, lt=1e9)]
+Stiff = Annotated[float, Field(gt=0.0, lt=1e15)]
 NotNegative = Annotated[float, Field(ge=0.0, lt=1e9)]
 Teeth = Annotated[int, Field(ge=5, le=1000)]
 Shift = Annotated[float, Field(ge=-3.0, le=3.0)]
@@ -86,6 +88,34 @@ class OperationTable(Table):
     damping_ratio: Annotated[float, Field(ge=0.0, lt=1.0)] = 0.06
 
 
+class InertiaTable(Table):
+    """[[drive.inertia]]: an inertia and the shaft that joins it to its neighbour nearer the gear; each side from the gear outward."""
+
+    name: Title
+    side: Literal["pinion", "wheel"]
+    inertia_kg_m2: Positive
+    shaft_stiffness_Nm_per_rad: Stiff
+    shaft_damping_Nms_per_rad: NotNegative = 0.0
+
+
+class SupportTable(Table):
+    """[drive.support]: shafts and bearings along the line of action; 0 is rigid."""
+
+    pinion_um_per_kN: NotNegative = 0.0
+    wheel_um_per_kN: NotNegative = 0.0
+    pinion_mass_kg: Positive | None = None
+    wheel_mass_kg: Positive | None = None
+    pinion_damping_Ns_per_m: NotNegative = 0.0
+    wheel_damping_Ns_per_m: NotNegative = 0.0
+
+
+class DriveTable(Table):
+    """[drive]: what is joined to the two gears by elastic shafts and supports."""
+
+    inertia: list[InertiaTable] = []
+    support: SupportTable = SupportTable()
+
+
 class Model(Table):
     """A whole model file."""
 
@@ -96,24 +126,30 @@ class Model(Table):
     rack: RackTable = RackTable()
     material: MaterialTable = MaterialTable()
     operation: OperationTable
+    drive: DriveTable = DriveTable()
+
+
+def table_of(annotation: Any) -> type[BaseModel] | None:
+    """Return the table that a key holds, one or a list of them; None for a plain value."""
+    inner = typing.get_args(annotation)[0] if typing.get_origin(annotation) is list else annotation
+    return inner if isinstance(inner, type) and issubclass(inner, BaseModel) else None
 
 
 def valid_names(table: type[BaseModel] = Model, prefix: str = "") -> dict[str, tuple[str, ...]]:
     """Return the valid keys of every table, by the table's dotted name ("" is the top of the file)."""
     names = {prefix: tuple(table.model_fields)}
     for key, field in table.model_fields.items():
-        inner = field.annotation
-        if isinstance(inner, type) and issubclass(inner, BaseModel):
+        inner = table_of(field.annotation)
+        if inner is not None:
             names |= valid_names(inner, f"{prefix}.{key}".lstrip("."))
     return names
 
 
 def field_of(path: tuple[str, ...]) -> Any:
-    """Return pydantic's description of a key given by its path; the path must be valid."""
+    """Return pydantic's description of a key given by its path, places in lists left out; the path must be valid."""
     table: type[BaseModel] = Model
     for key in path[:-1]:
-        inner = table.model_fields[key].annotation
-        assert isinstance(inner, type)
-        assert issubclass(inner, BaseModel)
+        inner = table_of(table.model_fields[key].annotation)
+        assert inner is not None
         table = inner
     return table.model_fields[path[-1]]

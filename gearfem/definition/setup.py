@@ -7,6 +7,7 @@ import math
 from functools import cached_property
 from typing import Literal
 
+from gearfem.definition.drive_parts import ShaftedInertia, Support
 from gearfem.foundation import Record
 
 Member = Literal["pinion", "wheel"]
@@ -248,9 +249,13 @@ class Operation(Record):
     pinion_speed : float
         Mean angular velocity of the pinion [rad/s].
     pinion_inertia, wheel_inertia : float
-        Moments of inertia of everything that turns with each shaft [kg m2].
+        Moments of inertia of everything that turns with each gear [kg m2].
     friction_coefficient, damping_ratio : float
         Coefficient of tooth friction; zeta of D = 2 zeta sqrt(C M).
+    pinion_chain, wheel_chain : tuple of ShaftedInertia
+        Further inertias on elastic shafts, from the gear outward; the last one carries the side's torque.
+    pinion_support, wheel_support : Support, optional
+        Yielding supports along the line of action; None is rigid.
     """
 
     pinion_torque: float
@@ -261,6 +266,10 @@ class Operation(Record):
     wheel_inertia: float
     friction_coefficient: float
     damping_ratio: float
+    pinion_chain: tuple[ShaftedInertia, ...] = ()
+    wheel_chain: tuple[ShaftedInertia, ...] = ()
+    pinion_support: Support | None = None
+    wheel_support: Support | None = None
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

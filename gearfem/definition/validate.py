@@ -75,7 +75,7 @@ def canonical(model: Model) -> str:
 def _filled(tables: dict[str, Any]) -> dict[str, Any]:
     """Return the tables without empty ones, innermost first."""
     inner = {key: _filled(value) if isinstance(value, dict) else value for key, value in tables.items()}
-    return {key: value for key, value in inner.items() if value != {}}
+    return {key: value for key, value in inner.items() if value not in ({}, [])}
 
 
 def shown(value: object) -> str:
@@ -140,8 +140,12 @@ def _take_out(tables: dict[str, Any], path: Path, reason: str) -> None:
 # ---- one line for each problem ----------------------------------------------------------------------
 
 
-def _refusal(kind: str, path: Path, found: object) -> InputError:
-    where = ".".join(path)
+def _refusal(kind: str, place: Path, found: object) -> InputError:
+    """Return the refusal of a key; a place in a list is counted from 1 and has no part in the key's meaning."""
+    where = "".join(f"[{int(part) + 1}]" if part.isdigit() else f".{part}" for part in place).lstrip(".")
+    path = tuple(part for part in place if not part.isdigit())
+    if place[-1:] != path[-1:]:
+        return InputError(where, shown(found), f"a table [[{'.'.join(path)}]]")
     if kind == "extra_forbidden":
         return InputError(where, "an unknown key" if _written(path) else "a key that is not text", _nearest(path))
     if kind == "missing":
@@ -168,6 +172,10 @@ def _nearest(path: Path) -> str:
 def allowed(path: Path) -> str:
     """Return what a key may hold, from its type, its bounds and the unit at the end of its name."""
     field: FieldInfo = field_of(path)
+    if typing.get_origin(field.annotation) is list:
+        return f"tables [[{'.'.join(path)}]]"
+    if typing.get_origin(field.annotation) is typing.Literal:
+        return " or ".join(json.dumps(word) for word in typing.get_args(field.annotation))
     kinds = {int: "an integer", float: "a number", str: "text"}
     parts = [part for part in (field.annotation, *typing.get_args(field.annotation)) if part is not type(None)]
     metadata: list[Any] = list(field.metadata)

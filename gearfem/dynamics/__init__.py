@@ -2,16 +2,19 @@
 
 from gearfem.dynamics.drive import make_drive, wheel_torque_sentence
 from gearfem.dynamics.elastic import classical_motion, elastic_motion
+from gearfem.dynamics.natural_modes import Modes, modes
 from gearfem.dynamics.record import DriveTrain, ElasticMotion, RigidMotion
 from gearfem.dynamics.rigid import rigid_motion, uniform_transport, unloaded_transport
 
 __all__ = [
     "DriveTrain",
     "ElasticMotion",
+    "Modes",
     "RigidMotion",
     "classical_motion",
     "elastic_motion",
     "make_drive",
+    "modes",
     "rigid_motion",
     "uniform_transport",
     "unloaded_transport",

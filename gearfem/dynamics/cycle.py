@@ -23,7 +23,7 @@ FEWEST_STEPS = 50
 class Piece:
     """A smooth stretch: dense solution over `steps` (scaled times), flank in contact, angle between the reversals.
 
-    `jump` (4, 4) carries neighbouring orbits across the event at its end.
+    `jump` carries neighbouring orbits across the event at its end.
     """
 
     solution: Callable[[Any], Any]
@@ -54,7 +54,7 @@ def integrate_cycle(system: RelativeMotion, state: Array, torque: float, toleran
     ----------
     system : RelativeMotion
         Equations.
-    state : ndarray, shape (4,)
+    state : ndarray, shape (4 + 2 k,)
         Scaled state at the start.
     torque : float
         Wheel torque in units of T1 r_b2/r_b1.
@@ -95,18 +95,12 @@ def _advance(
 ) -> tuple[Piece, Array, int]:
     """Integrate to the end of the span or the next contact event; return the piece, the state and the new side."""
     flanks = (side,) if side else (1, -1)
-    jacobian = np.array([[0.0, 1.0, 0.0, 0.0], [0.0] * 4, [0.0, 0.0, 0.0, 1.0], [0.0] * 4])
-
-    def slope(time: float, y: Array) -> Array:
-        jacobian[[1, 3], :2] = system.gradients(time, y[0], y[1], side, middle)
-        return jacobian.copy()
-
     result: Any = solve_ivp(
         lambda time, y: system.change(time, y, torque, side, middle),
         span,
         state,
         method="BDF",
-        jac=slope,
+        jac=lambda time, y: system.slopes(time, y, side, middle),
         events=[_event(system, flank, side, middle) for flank in flanks],
         dense_output=True,
         rtol=tolerance,
@@ -127,7 +121,8 @@ def _event(system: RelativeMotion, flank: int, side: int, middle: float) -> Call
     """Return the function of time and state whose root ends the present contact, or makes one."""
 
     def leaves(time: float, y: Array) -> float:
-        return float(system.contact(system.transport(time), y[0], y[1], flank, middle).force) / (system.unit * system.mesh.mean_stiffness)
+        touch = system.contact(system.transport(time), *system.approach(y), flank, middle)
+        return float(touch.force) / (system.unit * system.mesh.mean_stiffness)
 
     def meets(time: float, y: Array) -> float:
         return system.closeness(time, y, flank, middle)
@@ -138,17 +133,24 @@ def _event(system: RelativeMotion, flank: int, side: int, middle: float) -> Call
 
 
 def _jump(system: RelativeMotion, time: float, state: Array, sides: tuple[int, int], middle: float) -> Array:
-    """Return how neighbouring orbits cross an event, for (x, x', r_b1 q1', torque).
+    """Return how neighbouring orbits cross an event, for the variables of `propagator`.
 
     The force jumps only where a flank lands with speed: 1 + (f_after - f_before) grad(d)/d', d the depth.
     """
-    matrix = np.eye(4)
+    count = system.count
+    matrix = np.eye(4 + 2 * count)
     if sides[0] == 0 and sides[1] != 0:
         step = system.change(time, state, 1.0, sides[1], middle) - system.change(time, state, 1.0, 0, middle)
-        speed = state[1] + float(system.transport(time).drift) / (system.unit * system.natural)
+        speed = float(system.approach(state)[1]) + float(system.transport(time).drift) / (system.unit * system.natural)
         if abs(speed) > math.sqrt(np.finfo(float).eps):
-            matrix[1, 0], matrix[2, 0] = step[1] / speed, step[3] / speed
+            slope = np.concatenate([[1.0, 0.0], -system.yielding, np.zeros(count + 2)])
+            matrix[:-1] += np.outer(step[_order(count)], slope) / speed
     return matrix
+
+
+def _order(count: int) -> list[int]:
+    """Return where x, x', the stretches, their rates and r_b1 q1' stand in the state."""
+    return [0, 1, *range(4, 4 + 2 * count), 3]
 
 
 def propagator(system: RelativeMotion, cycle: Cycle) -> Array:
@@ -163,15 +165,15 @@ def propagator(system: RelativeMotion, cycle: Cycle) -> Array:
 
     Returns
     -------
-    ndarray, shape (4, 4)
-        For (x, x', r_b1 q1', wheel torque), scaled.
+    ndarray, shape (4 + 2 k, 4 + 2 k)
+        For (x, x', z, z', r_b1 q1', wheel torque), scaled, k the yielding shafts and supports.
 
     Notes
     -----
     The linear equations along the solution, by the Magnus series of fourth order at the two Gauss points of each step
     of the integration, and the jumps between the pieces. Stable for steps longer than a natural period.
     """
-    whole = np.eye(4)
+    whole = np.eye(4 + 2 * system.count)
     for piece in cycle.pieces:
         width = np.diff(piece.steps)
         centre, reach = piece.steps[:-1] + 0.5 * width, width * math.sqrt(3.0) / 6.0
@@ -183,9 +185,11 @@ def propagator(system: RelativeMotion, cycle: Cycle) -> Array:
 
 
 def _matrix(system: RelativeMotion, piece: Piece, times: Array) -> Array:
-    x, rate, _, _ = piece.solution(times)
-    matrix = np.zeros((times.size, 4, 4))
-    matrix[:, 0, 1] = 1.0
-    matrix[:, 1:3, :2] = system.gradients(times, x, rate, piece.side, piece.middle)
-    matrix[:, 1, 3] = system.gain2 * system.balanced_torque
+    order = _order(system.count)
+    slopes = system.slopes(times, piece.solution(times), piece.side, piece.middle)
+    matrix = np.zeros_like(slopes)
+    matrix[:, :-1, :-1] = slopes[:, order][:, :, order]
+    gain = system.per_load[:, 2] * system.balanced_torque
+    matrix[:, 1, -1], matrix[:, -2, -1] = gain[0] - gain[1], gain[0]
+    matrix[:, 2 + system.count : -2, -1] = gain[2:]
     return matrix

@@ -7,7 +7,7 @@ from gearfem.dynamics.record import DriveTrain
 
 
 def make_drive(setup: Setup) -> DriveTrain:
-    """Return the drive train that a definition states: two inertias, their torques and losses.
+    """Return the drive train that a definition states: inertias, shafts, supports, torques and losses.
 
     Parameters
     ----------
@@ -28,6 +28,10 @@ def make_drive(setup: Setup) -> DriveTrain:
         pinion_speed=operation.pinion_speed,
         friction_coefficient=operation.friction_coefficient,
         damping_ratio=operation.damping_ratio,
+        pinion_chain=operation.pinion_chain,
+        wheel_chain=operation.wheel_chain,
+        pinion_support=operation.pinion_support,
+        wheel_support=operation.wheel_support,
     )
 
 

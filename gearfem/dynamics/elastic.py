@@ -32,7 +32,7 @@ def elastic_motion(
     start: tuple[float, float] | None = None,
     progress: Progress = quiet,
 ) -> ElasticMotion:
-    """Return the steady motion of two inertias joined by elastic teeth.
+    """Return the steady motion of two inertias, or of a longer drive train, joined by elastic teeth.
 
     Shooting finds the periodic orbit and the wheel torque that balances its mean power; where there is no stable one,
     the tail of a transient stands for it and `periodic` is false.
@@ -69,7 +69,8 @@ def elastic_motion(
     Notes
     -----
     Equations, and what they leave out, are in `RelativeMotion`. Integration by Gear's method (BDF). The pinion's
-    speed has the nominal mean. Kw = 1 - J1 psi1''/T1 = M1/T1, M1 the moment of the teeth on the pinion.
+    speed has the nominal mean. Kw = M1/T1, M1 the moment of the teeth on the pinion; for two inertias 1 - J1 psi1''/T1.
+    Lightly damped shafts are no trouble for shooting, but a transient that stands in for an orbit has hardly settled.
 
     References
     ----------
@@ -82,7 +83,10 @@ def elastic_motion(
     system = RelativeMotion(mesh, drive, transport)
     first = system.transport(0.0)
     depth, rate = (system.unit, 0.0) if start is None else start
-    guess = np.array([(depth - first.offset) / system.unit, (rate - first.drift) / (system.unit * system.natural), 1.0])
+    z = system.shafting.static_stretches(drive.pinion_torque, system.balanced_torque, drive.pinion_torque / mesh.base_radius1)
+    z = z / system.stretch_unit
+    x = (depth - first.offset) / system.unit + system.yielding @ z
+    guess = np.concatenate([[x, (rate - first.drift) / (system.unit * system.natural)], z, np.zeros_like(z), [1.0]])
     orbit, periodic = _steady(system, guess, tolerance, progress)
     return _motion(system, orbit, periodic, cycles, samples)
 
@@ -105,7 +109,7 @@ def classical_motion(
     mesh : MeshForce
         The same excitation as in `elastic_motion`.
     drive : DriveTrain
-        Torques, friction, damping and speed; its inertias are not used.
+        Torques, friction, damping and speed; its inertias, shafts and supports are not used.
     pinion_inertia, wheel_inertia : float
         Inertias of the two gears [kg m2].
     cycles, samples, tolerance, progress
@@ -120,7 +124,15 @@ def classical_motion(
     The transport rotates uniformly. For unworn teeth this differs from `elastic_motion` in the inertias alone. For worn
     teeth the flanks' deviations still act through the tables, as a displacement of the teeth and not as a ratio.
     """
-    gears = dataclasses.replace(drive, pinion_inertia=pinion_inertia, wheel_inertia=wheel_inertia)
+    gears = dataclasses.replace(
+        drive,
+        pinion_inertia=pinion_inertia,
+        wheel_inertia=wheel_inertia,
+        pinion_chain=(),
+        wheel_chain=(),
+        pinion_support=None,
+        wheel_support=None,
+    )
     transport = uniform_transport(mesh, gears)
     return elastic_motion(mesh, gears, transport, cycles=cycles, samples=samples, tolerance=tolerance, progress=progress)
 
@@ -149,10 +161,11 @@ def _motion(system: RelativeMotion, orbit: Orbit, periodic: bool, cycles: int, s
     drive = system.drive
     sampled = [_sample(system, cycle, samples, turn) for cycle, turn in zip(orbit.cycles, _turns(system, orbit), strict=True)]
     count = cycles if periodic else len(sampled)
-    angle, speed, error, force, moment = np.concatenate(sampled * cycles if periodic else sampled, axis=1)
+    angle, speed, error, force, moment, *stretches = np.concatenate(sampled * cycles if periodic else sampled, axis=1)
     number = np.repeat(np.arange(count), samples)
     time = (np.arange(count * samples) / samples) * system.length / system.natural
-    acceleration = (drive.pinion_torque - moment) / drive.pinion_inertia
+    train, loads = system.shafting, np.array(stretches).reshape(-1, count * samples)
+    driving = loads[0] if drive.pinion_chain else drive.pinion_torque
     pieces = [piece for cycle in orbit.cycles for piece in cycle.pieces]
     lost = sum(piece.duration for piece in pieces if piece.side != 1)
     return ElasticMotion(
@@ -161,13 +174,15 @@ def _motion(system: RelativeMotion, orbit: Orbit, periodic: bool, cycles: int, s
         mesh_force=force,
         transmission_error=error,
         pinion_speed=speed,
-        pinion_acceleration=acceleration,
-        dynamic_factor=1.0 - drive.pinion_inertia * acceleration / drive.pinion_torque,
+        pinion_acceleration=(driving - moment) / drive.pinion_inertia,
+        dynamic_factor=moment / drive.pinion_torque,
         wheel_torque=orbit.cycles[-1].torque * system.balanced_torque,
         multipliers=orbit.multipliers,
         periodic=periodic,
         contact_loss=lost / (len(orbit.cycles) * system.length),
         closure=orbit.closure,
+        stretch_load=loads,
+        stretch_names=train.stretch_names,
     )
 
 
@@ -185,22 +200,24 @@ def _turns(system: RelativeMotion, orbit: Orbit) -> list[tuple[float, float]]:
 
 
 def _sample(system: RelativeMotion, cycle: Cycle, samples: int, turn: tuple[float, float]) -> Array:
-    """Return angle, speed, transmission error, normal force and moment of the pinion at equal times, shape (5, samples)."""
+    """Return angle, speed, transmission error, normal force, moment of the pinion and loads of shafts and supports at equal times."""
     times = system.length * np.arange(samples) / samples
     r1, scale = system.mesh.base_radius1, system.unit
-    values = np.empty((5, samples))
+    values = np.empty((5 + system.count, samples))
     starts = np.array([piece.steps[0] for piece in cycle.pieces])
     which = np.searchsorted(starts, times, side="right") - 1
     for number in np.unique(which):
         piece, chosen = cycle.pieces[number], which == number
-        x, rate, own, own_rate = piece.solution(times[chosen])
+        state = piece.solution(times[chosen])
+        x, own, own_rate = state[0], state[2], state[3]
         carried = system.transport(times[chosen])
         force, moment = np.zeros_like(x), np.zeros_like(x)
         if piece.side:
-            touch = system.contact(carried, x, rate, piece.side, piece.middle)
+            touch = system.contact(carried, *system.approach(state), piece.side, piece.middle)
             force, moment = piece.side * touch.force, touch.force * touch.arms[:, 0]
         angle = carried.angle + scale / r1 * (own + turn[0] + turn[1] * times[chosen])
         speed = carried.speed + scale * system.natural / r1 * (own_rate + turn[1])
         error = scale * x + carried.offset + system.unloaded(carried.angle)
-        values[:, chosen] = angle, speed, error, force, moment
+        values[:5, chosen] = angle, speed, error, force, moment
+        values[5:, chosen] = system.stretch_loads(state)
     return values

@@ -40,8 +40,8 @@ def shoot(system: RelativeMotion, start: Array, tolerance: float, progress: Prog
     ----------
     system : RelativeMotion
         Equations.
-    start : ndarray, shape (3,)
-        Guess of scaled x, x' and wheel torque at the first angle.
+    start : ndarray, shape (3 + 2 k,)
+        Guess of scaled x, x', z, z' and wheel torque at the first angle, z the k stretches of shafts and supports.
     tolerance : float
         Of the integration; the orbit closes to 100 times that.
     progress : Progress
@@ -59,14 +59,14 @@ def shoot(system: RelativeMotion, start: Array, tolerance: float, progress: Prog
 
     Notes
     -----
-    Unknowns x(0), x'(0), T2; conditions: x, x' and the pinion's speed return. Forces do not depend on the common
+    Unknowns x(0), x'(0), z(0), z'(0), T2; conditions: these, and the pinion's speed, return. Forces do not depend on the common
     rotation, so its angle and speed are no unknowns: the start of q1 is 0 and its mean speed is 0. First with a loose
     integration, then with the stated one.
     """
     guess = start
     for stage in (max(LOOSE, tolerance), tolerance):
         guess, cycle, matrix, size = _newton(system, guess, stage, progress)
-    return Orbit((cycle,), np.linalg.eigvals(matrix[:2, :2]), size)
+    return Orbit((cycle,), np.linalg.eigvals(matrix[:-2, :-2]), size)
 
 
 def _newton(system: RelativeMotion, guess: Array, tolerance: float, progress: Progress) -> tuple[Array, Cycle, Array, float]:
@@ -78,7 +78,8 @@ def _newton(system: RelativeMotion, guess: Array, tolerance: float, progress: Pr
             progress("orbit", NEWTON_STEPS, NEWTON_STEPS)
             return guess, cycle, matrix, float(np.abs(miss).max())
         try:
-            move = np.linalg.solve(matrix[:3][:, [0, 1, 3]] - np.diag([1.0, 1.0, 0.0]), -miss)
+            columns = np.delete(matrix[:-1], -2, axis=1)
+            move = np.linalg.solve(columns - np.diag(np.append(np.ones(miss.size - 1), 0.0)), -miss)
         except np.linalg.LinAlgError:
             break
         for fraction in (1.0, 0.5, 0.25, 0.125):
@@ -92,8 +93,13 @@ def _newton(system: RelativeMotion, guess: Array, tolerance: float, progress: Pr
 
 
 def _miss(system: RelativeMotion, guess: Array, tolerance: float) -> tuple[Cycle, Array]:
-    cycle = integrate_cycle(system, np.array([guess[0], guess[1], 0.0, 0.0]), guess[2], tolerance)
-    return cycle, np.array([cycle.end[0] - guess[0], cycle.end[1] - guess[1], cycle.end[3]])
+    """Integrate one cycle from a guess (x, x', z, z', torque); return it and the mismatch of x, x', z, z' and r_b1 q1'."""
+    cycle = integrate_cycle(system, np.concatenate([guess[:2], [0.0, 0.0], guess[2:-1]]), float(guess[-1]), tolerance)
+    return cycle, np.append(_relative(cycle.end) - guess[:-1], cycle.end[3])
+
+
+def _relative(state: Array) -> Array:
+    return np.delete(state, [2, 3])
 
 
 def settle(system: RelativeMotion, start: Array, count: int, tail: int, tolerance: float, progress: Progress) -> tuple[Orbit, Array]:
@@ -103,8 +109,8 @@ def settle(system: RelativeMotion, start: Array, count: int, tail: int, toleranc
     ----------
     system : RelativeMotion
         Equations.
-    start : ndarray, shape (3,)
-        Scaled x, x' and wheel torque at the first angle.
+    start : ndarray, shape (3 + 2 k,)
+        Scaled x, x', z, z' and wheel torque at the first angle.
     count, tail : int
         Cycles that settle, and cycles that are kept after them.
     tolerance : float
@@ -114,8 +120,8 @@ def settle(system: RelativeMotion, start: Array, count: int, tail: int, toleranc
 
     Returns
     -------
-    Orbit, ndarray of shape (3,)
-        Kept cycles (no multipliers), and the last x, x' and wheel torque.
+    Orbit, ndarray of shape (3 + 2 k,)
+        Kept cycles (no multipliers), and the last x, x', z, z' and wheel torque.
 
     Notes
     -----
@@ -123,17 +129,19 @@ def settle(system: RelativeMotion, start: Array, count: int, tail: int, toleranc
     half of what would stop the drift, ever less from cycle to cycle; its mean over the second half then stays, since
     single cycles of a subharmonic motion need not balance. Each cycle starts its own count of q1, which no force feels.
     """
-    share = system.gain2 * system.balanced_torque / (system.gain1 * system.mesh.base_radius1 + system.gain2 * system.mesh.base_radius2)
-    guess, kept, torques = start, [], [float(start[2])]
+    r1, r2 = system.mesh.base_radius1, system.mesh.base_radius2
+    weight1, weight2 = r2**2 * system.drive.pinion_side_inertia, r1**2 * system.drive.wheel_side_inertia
+    # A wheel torque off balance by one unit changes the common speed r_b1 psi1' by this in a unit of scaled time.
+    drift = system.balanced_torque * r1**2 * r2 / (weight1 + weight2) / (system.unit * system.natural**2)
+    guess, kept, torques = start, [], [float(start[-1])]
     for step in range(count + tail):
         progress("transient", step, count + tail)
         cycle, miss = _miss(system, guess, tolerance)
         gain = 0.5 / (1.0 + 0.1 * step) if step < count else 0.0
-        shift = gain * miss[2] / (system.gain1 * system.length * system.mesh.base_radius1 * share)
-        guess = np.array([cycle.end[0], cycle.end[1], guess[2] + shift])
-        torques.append(guess[2])
+        guess = np.append(_relative(cycle.end), guess[-1] + gain * miss[-1] / (system.length * drift))
+        torques.append(float(guess[-1]))
         if step == count - 1:
-            guess[2] = np.mean(torques[-(count // 2 + 1) :])
+            guess[-1] = np.mean(torques[-(count // 2 + 1) :])
         if step >= count:
             kept.append(cycle)
     progress("transient", count + tail, count + tail)

@@ -6,19 +6,21 @@ import dataclasses
 import math
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
+from gearfem.definition.drive_parts import ShaftedInertia, Support
 from gearfem.foundation import Array, InputError, Record
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class DriveTrain(Record):
-    """Two inertias, their torques and the losses between them.
+    """Two inertias, their torques and the losses between them; further inertias and yielding supports where stated.
 
     Parameters
     ----------
     pinion_inertia, wheel_inertia : float
-        Moments of inertia reduced to the two shafts [kg m2].
+        Moments of inertia that turn with the two gears: without chains, of all that is on their shafts [kg m2].
     pinion_torque, wheel_torque : float
         Driving torque and braking torque, both positive [N m]. Each model scales the wheel's to its own balance.
     efficiency : float
@@ -26,7 +28,12 @@ class DriveTrain(Record):
     pinion_speed : float
         Mean angular velocity of the pinion [rad/s].
     friction_coefficient, damping_ratio : float
-        Coefficient of tooth friction; zeta of D = 2 zeta sqrt(C M).
+        Coefficient of tooth friction; zeta of D = 2 zeta sqrt(C M), M of the two gears alone.
+    pinion_chain, wheel_chain : tuple of ShaftedInertia
+        Further inertias on elastic shafts, from the gear outward; the last one carries the side's torque. Those on the
+        wheel's side turn as the wheel does.
+    pinion_support, wheel_support : Support, optional
+        Yielding supports along the line of action; None is rigid.
     """
 
     pinion_inertia: float
@@ -37,6 +44,10 @@ class DriveTrain(Record):
     pinion_speed: float
     friction_coefficient: float
     damping_ratio: float
+    pinion_chain: tuple[ShaftedInertia, ...] = ()
+    wheel_chain: tuple[ShaftedInertia, ...] = ()
+    pinion_support: Support | None = None
+    wheel_support: Support | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -48,6 +59,21 @@ class DriveTrain(Record):
                 raise InputError(name, getattr(self, name), "zero or a positive number")
         if not 0.0 < self.efficiency <= 1.0:
             raise InputError("efficiency", self.efficiency, "above 0, up to 1")
+
+    @property
+    def two_inertias(self) -> bool:
+        """Whether nothing is joined to the two gears."""
+        return not (self.pinion_chain or self.wheel_chain or self.pinion_support or self.wheel_support)
+
+    @property
+    def pinion_side_inertia(self) -> float:
+        """Inertia of the pinion and everything on its shafts [kg m2]."""
+        return self.pinion_inertia + sum(part.inertia for part in self.pinion_chain)
+
+    @property
+    def wheel_side_inertia(self) -> float:
+        """Inertia of the wheel and everything on its shafts [kg m2]."""
+        return self.wheel_inertia + sum(part.inertia for part in self.wheel_chain)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,7 +89,7 @@ class RigidMotion(Record):
     pinion_speed, pinion_acceleration, wheel_acceleration : ndarray
         [rad/s], [rad/s2], [rad/s2].
     dynamic_factor : ndarray
-        Kw = 1 - J1 phi1''/T1.
+        Kw = 1 - J1 phi1''/T1, J1 of the whole side: the load on the teeth.
     wheel_torque : float
         Braking torque at which the work over one period balances [N m].
     step_error : float
@@ -97,12 +123,13 @@ class ElasticMotion(Record):
     pinion_speed, pinion_acceleration : ndarray
         Absolute motion of the pinion, psi1' and psi1'' [rad/s], [rad/s2].
     dynamic_factor : ndarray
-        Kw = 1 - J1 psi1''/T1.
+        Kw = M1/T1, M1 the moment of the teeth on the pinion; 1 - J1 psi1''/T1 where T1 acts on the pinion itself.
     wheel_torque : float
         Braking torque at which the mean power of the orbit balances [N m].
-    multipliers : ndarray of complex, shape (2,)
-        Floquet multipliers of the relative motion; empty where no periodic orbit was found. The common rotation has
-        two more, both 1 (angle and, since no torque depends on the speed, speed), which the mean speed settles.
+    multipliers : ndarray of complex, shape (2 + 2 k,)
+        Floquet multipliers of the relative motion, k the shafts and supports that yield; empty where no periodic orbit
+        was found. The common rotation has two more, both 1 (angle and, since no torque depends on the speed, speed),
+        which the mean speed settles.
     periodic : bool
         Whether the motion is a stable periodic orbit; if not, it is a transient's tail, statistics only.
     contact_loss : float
@@ -110,6 +137,10 @@ class ElasticMotion(Record):
     closure : float
         Largest mismatch of the relative state, and of the pinion's speed, over one cycle, in units of the mean
         deflection and that times the natural frequency; of the last cycle where the motion is not periodic.
+    stretch_load : ndarray, shape (k, n)
+        Torque of each shaft [N m], pinion's side first, then force of each support [N], positive as the working load.
+    stretch_names : tuple of str
+        Names of these.
     """
 
     time: Array
@@ -124,6 +155,8 @@ class ElasticMotion(Record):
     periodic: bool
     contact_loss: float
     closure: float
+    stretch_load: Array = dataclasses.field(default_factory=lambda: np.empty((0, 0)))
+    stretch_names: tuple[str, ...] = ()
 
     @property
     def largest_dynamic_factor(self) -> float:

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 from gearfem.dynamics.flank_force import flank_force
 from gearfem.dynamics.record import DriveTrain, RigidMotion
+from gearfem.dynamics.shafting import Shafting
 from gearfem.engagement.record import MeshForce
 from gearfem.foundation import Array, InputError
 
@@ -43,11 +44,11 @@ class Touch:
 
 
 class RelativeMotion:
-    """Two inertias on their transport, joined by flanks with backlash, friction and damping.
+    """A drive train on its transport, joined by flanks with backlash, friction and damping.
 
-    State y = (x, x', r_b1 q1, r_b1 q1') with x = r_b1 q1 - r_b2 q2, lengths in units of X = T1/(r_b1 C), times in
-    units of 1/omega_n = sqrt(M/C). Forces depend on x, x' and time alone, so that the common rotation is a
-    quadrature beside the relative motion.
+    State y = (x, x', r_b1 q1, r_b1 q1', z, z') with x = r_b1 q1 - r_b2 q2 and z the k stretches of shafts (times r_b1 or
+    r_b2) and supports, none for two inertias; lengths in units of X = T1/(r_b1 C), times in units of 1/omega_n =
+    sqrt(M/C). Forces depend on x, z, their rates and time alone, so that the common rotation is a quadrature.
 
     Parameters
     ----------
@@ -88,7 +89,23 @@ class RelativeMotion:
         self.gain1 = r1 / (drive.pinion_inertia * self.unit * self.natural**2)
         self.gain2 = r2 / (drive.wheel_inertia * self.unit * self.natural**2)
         self.balanced_torque = drive.pinion_torque * r2 / r1
+        self._join(r1, r2)
         self._carry(transport, r1, r2)
+
+    def _join(self, r1: float, r2: float) -> None:
+        """Scale the shafting: accelerations of r_b1 psi1, r_b2 psi2 and the stretches, per load, stretch and its rate."""
+        train = self.shafting = Shafting(self.drive)
+        count = self.count = train.springs.size
+        arms = np.where(train.supports, 1.0, np.where(np.arange(count) < train.wheel - 1, r1, r2))
+        rows = np.zeros((2 + count, 2 + count))
+        rows[0, 0], rows[1, train.wheel], rows[2:] = r1, r2, arms[:, None] * train.stretches
+        per_force = rows / train.masses / (self.unit * self.natural**2)
+        self.per_load = per_force @ train.loads
+        self.per_stretch = -per_force @ (train.stretches.T * (train.springs * self.unit / arms))
+        self.per_rate = -per_force @ (train.stretches.T * (train.dampers * self.unit * self.natural / arms))
+        self.stretch_unit = self.unit / arms
+        self.yielding = train.supports.astype(float)
+        self.rotation = np.array([r1, r2]) / (self.unit * self.natural**2)
 
     def _carry(self, transport: RigidMotion, r1: float, r2: float) -> None:
         """Put the transport into one spline of time, so that its accelerations belong exactly to its angles."""
@@ -124,34 +141,69 @@ class RelativeMotion:
         turns = side * slopes[..., 1:3] + f * slopes[..., 3:5]
         return Touch(depth, values[..., 0] + self.damping * speed, slopes[..., 0], arms, turns)
 
+    def approach(self, state: Array) -> tuple[Array, Array]:
+        """Return scaled approach of the flanks and its rate, x less what the supports yield, for states (4 + 2 k, ...)."""
+        if not self.count:
+            return state[0], state[1]
+        z, rates = self.stretches(state)
+        return state[0] - np.tensordot(self.yielding, z, axes=1), state[1] - np.tensordot(self.yielding, rates, axes=1)
+
+    def stretches(self, state: Array) -> tuple[Array, Array]:
+        """Return the scaled stretches and their rates, each (k, ...)."""
+        return state[4 : 4 + self.count], state[4 + self.count :]
+
+    def stretch_loads(self, state: Array) -> Array:
+        """Return torque of each shaft [N m] and force of each support [N], shape (k, n), for states (4 + 2 k, n)."""
+        z, rates = self.stretches(state)
+        train, unit = self.shafting, self.stretch_unit[:, None]
+        loads: Array = unit * (train.springs[:, None] * z + self.natural * train.dampers[:, None] * rates)
+        return loads
+
     def change(self, time: float, state: Array, torque: float, side: int, middle: float) -> Array:
-        """Return the derivative of the scaled state, shape (4,); `torque` is the wheel's in units of the balanced one.
+        """Return the derivative of the scaled state; `torque` is the wheel's in units of the balanced one.
 
         The flank of `side` acts whatever the sign of its force; 0 is free flight.
         """
         carried = self.transport(time)
-        one = two = 0.0
+        one = two = push = 0.0
         if side:
-            touch = self.contact(carried, state[0], state[1], side, middle)
+            touch = self.contact(carried, *self.approach(state), side, middle)
             one, two = touch.force * touch.arms
-        pinion = self.gain1 * (self.drive.pinion_torque - one - self.drive.pinion_inertia * carried.pinion_acceleration)
-        wheel = self.gain2 * (two - torque * self.balanced_torque - self.drive.wheel_inertia * carried.wheel_acceleration)
-        return np.array([state[1], pinion - wheel, state[3], pinion])
+            push = side * float(touch.force)
+        z, rates = self.stretches(state)
+        loads = np.array([self.drive.pinion_torque, one, torque * self.balanced_torque, two, push])
+        gain = self.per_load @ loads + self.per_stretch @ z + self.per_rate @ rates
+        pinion = gain[0] - self.rotation[0] * carried.pinion_acceleration
+        wheel = gain[1] - self.rotation[1] * carried.wheel_acceleration
+        return np.concatenate([[state[1], pinion - wheel, state[3], pinion], rates, gain[2:]])
 
-    def gradients(self, time: Array | float, x: Array, rate: Array, side: int, middle: float) -> Array:
-        """Return d(x'', r_b1 q1'')/d(x, x') in scaled units, shape (..., 2, 2)."""
-        if side == 0:
-            return np.zeros((*np.shape(x), 2, 2))
-        touch = self.contact(self.transport(time), x, rate, side, middle)
-        over_x = side * self.unit * (touch.stiffness[..., None] * touch.arms + touch.force[..., None] * touch.turns)
-        over_rate = side * self.unit * self.natural * self.damping * touch.arms
-        both = np.stack([over_x, over_rate], axis=-1)
-        pinion, wheel = -self.gain1 * both[..., 0, :], self.gain2 * both[..., 1, :]
-        return np.stack([pinion - wheel, pinion], axis=-2)
+    def slopes(self, time: Array | float, state: Array, side: int, middle: float) -> Array:
+        """Return the derivative of `change` over the state, shape (..., 4 + 2 k, 4 + 2 k), for states (4 + 2 k, ...)."""
+        size, count = 4 + 2 * self.count, self.count
+        stretch, rate = slice(4, 4 + count), slice(4 + count, size)
+        gains = np.zeros((*np.shape(state)[1:], 2 + count, size))
+        gains[..., stretch], gains[..., rate] = self.per_stretch, self.per_rate
+        if side:
+            x, speed = self.approach(state)
+            touch = self.contact(self.transport(time), x, speed, side, middle)
+            over_x = side * self.unit * (touch.stiffness[..., None] * touch.arms + touch.force[..., None] * touch.turns)
+            over_rate = side * self.unit * self.natural * self.damping * touch.arms
+            push = np.broadcast_to(self.unit * self.natural * self.damping, np.shape(x))
+            by_x = np.stack([over_x[..., 0], over_x[..., 1], self.unit * touch.stiffness], axis=-1) @ self.per_load[:, [1, 3, 4]].T
+            by_rate = np.stack([over_rate[..., 0], over_rate[..., 1], push], axis=-1) @ self.per_load[:, [1, 3, 4]].T
+            gains[..., 0], gains[..., 1] = by_x, by_rate
+            gains[..., stretch] -= by_x[..., None] * self.yielding
+            gains[..., rate] -= by_rate[..., None] * self.yielding
+        matrix = np.zeros((*np.shape(state)[1:], size, size))
+        matrix[..., 0, 1] = matrix[..., 2, 3] = 1.0
+        matrix[..., 1, :], matrix[..., 3, :] = gains[..., 0, :] - gains[..., 1, :], gains[..., 0, :]
+        matrix[..., stretch, rate] = np.eye(count)
+        matrix[..., rate, :] = gains[..., 2:, :]
+        return matrix
 
     def closeness(self, time: float, state: Array, side: int, middle: float) -> float:
         """Return a scaled number that is positive where the flank of that side is in contact, continuous in the state."""
-        touch = self.contact(self.transport(time), state[0], state[1], side, middle)
+        touch = self.contact(self.transport(time), *self.approach(state), side, middle)
         pull = touch.force if touch.depth > 0.0 else touch.force - touch.stiffness * touch.depth
         return float(min(touch.depth, pull / self.mesh.mean_stiffness)) / self.unit
 

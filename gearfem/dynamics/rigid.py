@@ -138,12 +138,13 @@ class _Balance:
         self.wheel_torque = drive.efficiency * drive.pinion_torque * period / turn
         reduced = self.wheel_torque / drive.efficiency
         work = drive.pinion_torque * (angle - angle[0]) - reduced * self.wheel_angle
-        inertia = drive.pinion_inertia + drive.wheel_inertia * self.inverse_ratio**2
+        one, two = drive.pinion_side_inertia, drive.wheel_side_inertia
+        inertia = one + two * self.inverse_ratio**2
         self.speed = _speed(work, inertia, drive.pinion_speed)
         torque = drive.pinion_torque - reduced * self.inverse_ratio
-        gyration = drive.wheel_inertia * self.inverse_ratio * self.slope * self.speed**2
+        gyration = two * self.inverse_ratio * self.slope * self.speed**2
         self.acceleration: Array = (torque - gyration) / inertia
-        self.dynamic_factor: Array = 1.0 - drive.pinion_inertia * self.acceleration / drive.pinion_torque
+        self.dynamic_factor: Array = 1.0 - one * self.acceleration / drive.pinion_torque
 
 
 def _speed(work: Array, inertia: Array, mean: float) -> Array:

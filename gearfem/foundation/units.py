@@ -18,11 +18,16 @@ N_PER_MM = 1e3
 N_PER_UM = 1e6
 N_PER_MM_UM = 1e9
 UM_PER_N_PER_MM = UM / N_PER_MM
+UM_PER_KN = UM / 1e3
 
 SUFFIXES = {
     "_N_per_mm_um": N_PER_MM_UM,
     "_N_per_um": N_PER_UM,
     "_um_per_N_per_mm": UM_PER_N_PER_MM,
+    "_um_per_kN": UM_PER_KN,
+    "_Nms_per_rad": 1.0,
+    "_Nm_per_rad": 1.0,
+    "_Ns_per_m": 1.0,
     "_kg_per_m3": 1.0,
     "_kg_m2": 1.0,
     "_rad_per_s2": 1.0,
