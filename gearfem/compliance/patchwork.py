@@ -41,15 +41,16 @@ def transfinite(bottom: Array, right: Array, top: Array, left: Array) -> Array:
     Gordon & Hall (1973), transfinite mapping, with the blending weights linear in the chord length of the
     sides (mean of two opposite ones), so that a thin row of elements stays thin without folding.
     """
-    s = ((_chord(bottom) + _chord(top)) / 2.0)[:, None, None]
-    t = ((_chord(left) + _chord(right)) / 2.0)[None, :, None]
+    s = ((fractions(bottom) + fractions(top)) / 2.0)[:, None, None]
+    t = ((fractions(left) + fractions(right)) / 2.0)[None, :, None]
     corners = (1 - s) * (1 - t) * bottom[0] + s * (1 - t) * bottom[-1] + (1 - s) * t * top[0] + s * t * top[-1]
     points: Array = (1 - t) * bottom[:, None] + t * top[:, None] + (1 - s) * left[None] + s * right[None] - corners
     points[:, 0], points[:, -1], points[0], points[-1] = bottom, top, left, right
     return points
 
 
-def _chord(side: Array) -> Array:
+def fractions(side: Array) -> Array:
+    """Return the fractions of its length at which the points of a side lie, from 0 to 1."""
     length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(side, axis=0).T))])
     share: Array = length / length[-1]
     return share

@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from gearfem.compliance.patchwork import Ids, Patchwork, join, straight, transfinite
+from gearfem.compliance.patchwork import Ids, Patchwork, fractions, join, straight, transfinite
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError
 
@@ -23,6 +23,10 @@ SIZE, TURN = 0.5, math.radians(25.0)
 CROWD = 0.3
 # Towards the bore elements grow with the distance from the root, as the field of a tooth fades, up to half their radius.
 GROWTH, SHARE = 1.0, 0.5
+# Growth of elements with the distance from a place of focus.
+FADE = 0.35
+
+Focus: TypeAlias = tuple[tuple[float, float, float], ...]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,7 +68,7 @@ def _count(length: float, resolution: float) -> int:
     return max(1, round(max(1, round(length)) * resolution))
 
 
-def outline_nodes(outline: Outline, breaks: tuple[float, ...], resolution: float, size: float) -> Array:
+def outline_nodes(outline: Outline, breaks: tuple[float, ...], resolution: float, size: float, focus: Focus = ()) -> Array:
     """Return parameters of nodes along the outline, with ends of elements at the breaks.
 
     Parameters
@@ -77,6 +81,8 @@ def outline_nodes(outline: Outline, breaks: tuple[float, ...], resolution: float
         Multiplies the number of elements of each stretch.
     size : float
         Length of an element of resolution 1 [m].
+    focus : tuple of (float, float, float)
+        Places u with the length of elements there and the distance up to which they keep it [m], whatever the resolution.
 
     Returns
     -------
@@ -86,7 +92,7 @@ def outline_nodes(outline: Outline, breaks: tuple[float, ...], resolution: float
     """
     parts = [np.array([breaks[0]])]
     for start, end in itertools.pairwise(breaks):
-        u = _samples(start, end)
+        u = _samples(start, end, focus)
         length = np.hypot(*np.diff(outline.point(u), axis=0).T)
         if length.sum() < 1e-9 * outline.gear.module:
             parts[-1][-1] = end if start == breaks[0] else parts[-1][-1]
@@ -100,14 +106,17 @@ def outline_nodes(outline: Outline, breaks: tuple[float, ...], resolution: float
             away = np.concatenate([[0.0], np.cumsum(length)])
             away = away if start == 4.0 else away[-1] - away
             measure = measure + CROWD * np.abs(np.diff(np.log(away + 2.0 * outline.gear.tip_edge_radius)))
+        for place, fine, reach in focus:
+            away = np.hypot(*(outline.point(0.5 * (u[1:] + u[:-1])) - outline.point(place)).T)
+            measure = measure + length / (fine + FADE * np.maximum(away - reach, 0.0)) / resolution
         measure = np.concatenate([[0.0], np.cumsum(measure)])
         count = 2 * _count(measure[-1], resolution)
         parts.append(np.interp(np.arange(1, count + 1) / count * measure[-1], measure, u))
     return np.concatenate(parts)
 
 
-def _samples(start: float, end: float) -> Array:
-    """Return parameters along a stretch of the outline, as much closer beside the tip round as elements are."""
+def _samples(start: float, end: float, focus: Focus) -> Array:
+    """Return parameters along a stretch of the outline, as much closer beside the tip round and places of focus as elements are."""
     part = np.linspace(0.0, 1.0, 129)
     if end == 3.0:
         part = 1.0 - (1.0 - part) ** 3
@@ -115,7 +124,9 @@ def _samples(start: float, end: float) -> Array:
         part = part**3
     u: Array = start + (end - start) * part
     u[-1] = end
-    return u
+    close = [place + sign * np.geomspace(1e-5, 1.0, 300) for place, _, _ in focus for sign in (-1.0, 1.0)]
+    inside = [part[(part > start) & (part < end)] for part in close]
+    return np.unique(np.concatenate([u, *inside])) if focus else u
 
 
 def _depths(top: float, bottom: float, first: float, resolution: float) -> Array:
@@ -137,7 +148,7 @@ def _even(count: int) -> Array:
     return np.arange(2 * count + 1) / (2 * count)
 
 
-def _tooth_patch(outline: Outline, foot: float, axis: float, resolution: float) -> tuple[Array, Array, Array]:
+def _tooth_patch(outline: Outline, foot: float, axis: float, resolution: float, focus: Focus = ()) -> tuple[Array, Array, Array]:
     """Return the patch of the tooth above a spiral from outline point `foot` to (axis, 0).
 
     The first direction runs from the axis to the outline, the second from the foot to the tip. Also the parameters
@@ -145,16 +156,18 @@ def _tooth_patch(outline: Outline, foot: float, axis: float, resolution: float) 
     """
     size = SIZE * outline.gear.module
     sides = tuple(u for u in (foot, 2.0, 3.0, TOP) if u >= foot)
-    side = outline_nodes(outline, tuple(dict.fromkeys(sides)), resolution, size)
+    side = outline_nodes(outline, tuple(dict.fromkeys(sides)), resolution, size, focus)
     # As many elements across the top as the wider foot needs.
     width = np.hypot(*np.diff(outline.point(np.linspace(TOP, 5.0, 65)), axis=0).T).sum()
-    top = outline_nodes(outline, (TOP, 4.0, 5.0), resolution, size * min(1.0, width / outline.point(foot)[1]))
+    # Elements under a place of focus are as thin as they are long: the columns crowd together at the outline.
+    thin = ((TOP, min(fine for _, fine, _ in focus), 0.0),) if focus else ()
+    top = outline_nodes(outline, (TOP, 4.0, 5.0), resolution, size * min(1.0, width / outline.point(foot)[1]), thin)
     right, lid = outline.point(side), outline.point(top)[::-1]
     lid[0] = outline.gear.tip_radius, 0.0
     height = (right[:, 0] - right[0, 0]) / (right[-1, 0] - right[0, 0])
     share = 0.5 * (height + np.linspace(0.0, 1.0, len(side)))
     # In polar coordinates the floor follows the circles below it, and leaves a layer above them however thin the rim is.
-    part = np.linspace(0.0, 1.0, len(top))
+    part = fractions(lid) if focus else np.linspace(0.0, 1.0, len(top))
     radius = axis + (np.hypot(*right[0]) - axis) * part
     floor = _polar(radius, math.atan2(right[0, 1], right[0, 0]) * part)
     floor[-1] = right[0]
@@ -164,7 +177,7 @@ def _tooth_patch(outline: Outline, foot: float, axis: float, resolution: float) 
 # ---- meshes -----------------------------------------------------------------------------------------
 
 
-def sector_mesh(outline: Outline, resolution: float) -> SectionMesh:
+def sector_mesh(outline: Outline, resolution: float, focus: Focus = ()) -> SectionMesh:
     """Mesh one tooth with its sector of the body, from the bore to the tip, cut in the middle of the spaces.
 
     Parameters
@@ -173,6 +186,8 @@ def sector_mesh(outline: Outline, resolution: float) -> SectionMesh:
         Outline of the tooth.
     resolution : float
         Elements along each side, relative to a coarse mesh with elements of half a module.
+    focus : tuple of (float, float, float)
+        Places u of the flank with the length of elements there and the distance up to which they keep it [m].
 
     Returns
     -------
@@ -198,7 +213,7 @@ def sector_mesh(outline: Outline, resolution: float) -> SectionMesh:
     seam = gear.root_radius - depth
     # The first gives each of the three patches a third of the straight angle; a thin rim leaves less room.
     axis = max(meeting[0] - 0.45 * meeting[1], 0.5 * (np.hypot(*meeting) + seam))
-    tooth, side, top = _tooth_patch(outline, MEETING, axis, resolution)
+    tooth, side, top = _tooth_patch(outline, MEETING, axis, resolution, focus)
     root = outline_nodes(outline, (0.0, 1.0, MEETING), resolution, SIZE * gear.module)
     space = outline.point(root)[::-1]
 

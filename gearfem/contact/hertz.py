@@ -30,7 +30,8 @@ class HertzLine(Record):
     Notes
     -----
     Plane strain; the bodies are half spaces down to the depth, which on a tooth is that of the half space
-    yielding as the finite tooth does down to its centreline (`ToothCompliance.local_depth`). Dry, smooth, and the half width small beside the radius.
+    yielding as the finite tooth does down to its centreline (`ToothCompliance.local_depth`). Dry, smooth, and the
+    half width small beside the radius.
 
     On the axis of load, under p0 sqrt(1 - x^2/a^2), the stresses at depth z are (K. L. Johnson, Contact Mechanics,
     eq. 4.46) s_z = -p0 a/r and s_x = -p0 [(a^2 + 2 z^2)/(a r) - 2 z/a] with r = sqrt(a^2 + z^2). The strain
