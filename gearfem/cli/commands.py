@@ -156,22 +156,54 @@ def kinematics(model: str, out: str, overrides: tuple[str, ...], steps: int) -> 
     work.say(done)
 
 
-@main.command(short_help="Motions and dynamic factors of three models.")
+@main.command(short_help="Motions and dynamic factors; sweeps over the speed.")
 @_model_command
-def dynamics(model: str, out: str, overrides: tuple[str, ...]) -> None:
-    """Write rigid.csv, elastic.csv and classical.csv: steady motion and dynamic factor of three models.
+@click.option("--speeds", default=None, metavar="A:B:N", help="Sweep over N pinion speeds from A to B rpm, instead of the model's one.")
+@click.option(
+    "--both-ways", is_flag=True, help="Sweep up and down, each speed from the motion before it, so that jumps show both branches."
+)
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), default=None, help="Processes of a sweep; by default as many as pay, one per core at most."
+)
+@click.option("--resume", is_flag=True, help="Go on with the interrupted sweep in DIR; without it, a new one.")
+def dynamics(
+    model: str, out: str, overrides: tuple[str, ...], speeds: str | None, both_ways: bool, workers: int | None, resume: bool
+) -> None:
+    """Write rigid.csv, elastic.csv and classical.csv: steady motion and dynamic factor of three models at the model's speed.
+
+    With time_series.png and spectrum.png of the elastic one. With --speeds instead: sweep.csv, sweep_spectrum.csv, sweep.png and
+    waterfall.png of the elastic model over the speed.
+
+    Columns of sweep.csv: speed, direction (rest, up or down), mesh and natural frequency and their ratio (tuning), largest and
+    least dynamic factor, largest and mean normal force, mean and rms of the dynamic transmission error, parts of the time
+    without contact on the working flank and in contact on the back flank, mesh cycles after which the motion repeats (0: it
+    does not, the row holds statistics of 96 cycles), growth of neighbouring motions per cycle (the largest Floquet multiplier;
+    above 1: chaotic), wheel torque in balance, steps per cycle, amplitude and phase of six mesh harmonics of the
+    transmission error. sweep_spectrum.csv: its lines in orders of the pinion's turns.
+
+    Ctrl-C leaves the finished speeds in sweep.csv, from where --resume goes on. The first sweep after installing compiles for
+    some ten seconds.
 
     \b
-    Units: s, rad, rad/s, rad/s2, N, um.
+    Units: s, rad, rad/s, rad/s2, N, um, rpm, Hz, N m.
     Example:
       gearfem dynamics model.toml --out results --set operation.pinion_speed_rpm=900
+      gearfem dynamics model.toml --out results --speeds 500:3000:200 --both-ways
     """
+    target = folder(out)
+    if speeds is None and (both_ways or resume or workers is not None):
+        raise InputError("--both-ways, --workers, --resume", "no --speeds", "these with --speeds A:B:N alone")
+    setup = _load(model, overrides)
     from gearfem.cli import steps
 
-    target = folder(out)
-    setup = _load(model, overrides)
     with Bars() as progress:
-        done = steps.dynamics(setup, target, progress)
+        if speeds is None:
+            done = steps.dynamics(setup, target, progress)
+        else:
+            from gearfem.cli import sweeps
+
+            wanted = sweeps.read_speeds(speeds)
+            done = sweeps.run_sweep(setup, target, wanted, both_ways, workers, resume, progress)
     steps.say(done)
 
 

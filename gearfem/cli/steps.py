@@ -40,6 +40,7 @@ from gearfem.report import (
     write_compliance,
     write_dynamics,
     write_kinematics,
+    write_motion_pictures,
     write_pictures,
     write_render,
     write_report,
@@ -145,7 +146,9 @@ def kinematics(setup: Setup, out: Path, steps: int, progress: Progress) -> Done:
 def dynamics(setup: Setup, out: Path, progress: Progress) -> Done:
     """Compute the three models of the dynamics."""
     results = run_chain(setup, progress=progress)
-    return Done(_numbers(results), list(write_dynamics(results, out)))
+    assert results.elastic is not None
+    files = [*write_dynamics(results, out), *write_motion_pictures(results.elastic, setup, out)]
+    return Done(_numbers(results), files)
 
 
 def render(setup: Setup, out: Path, members: Sequence[str], progress: Progress) -> Done:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 
 import numpy as np
@@ -87,7 +88,37 @@ class FlankForce(Record):
         slopes[..., 1:] *= (beyond == 0.0)[..., None]
         return values, slopes
 
+    def sections(self, angle: Array, middle: Array, friction: bool) -> Array:
+        """Return the powers over the place in the deflection cell at given angles, shape (p, m - 1, 4, 5).
 
+        Parameters
+        ----------
+        angle, middle : ndarray, shape (p,)
+            As in a call [rad].
+        friction : bool
+            As in a call.
+
+        Returns
+        -------
+        ndarray
+            Of what a call evaluates, so that both give the same values to rounding.
+        """
+        place = (angle - self.start) / self.step
+        whole = np.floor(place)
+        row = whole.astype(int) % self.coefficients.shape[0]
+        u = (place - whole)[:, None, None, None]
+        powers = self.coefficients[row, :, 3]
+        for order in (2, 1, 0):
+            powers = powers * u + self.coefficients[row, :, order]
+        if friction:
+            for reversal, jump in zip(self.reversals, self.jumps, strict=True):
+                for tooth, rise in zip(_sawteeth(angle, middle, reversal, self.period), jump, strict=True):
+                    powers[..., 3:] += tooth[:, None, None, None] * rise
+        sections: Array = powers
+        return sections
+
+
+@functools.lru_cache(maxsize=8)
 def flank_force(mesh: MeshForce) -> FlankForce:
     """Return the interpolant of the forces of a mesh.
 
@@ -107,8 +138,9 @@ def flank_force(mesh: MeshForce) -> FlankForce:
 
     Notes
     -----
-    Each row is moved to start at its own unloaded error. Over the angle periodic cubic splines, over the deflection
-    cubic pieces with the slopes of parabolas through three knots: h^4 and h^3 for a smooth table, h where a pair enters.
+    One mesh gets one object. Each row is moved to start at its own unloaded error. Over the angle periodic cubic splines,
+    over the deflection cubic pieces with the slopes of parabolas through three knots: h^4 and h^3 for a smooth table, h where
+    a pair enters.
     All is linear in the tables, so proportional tables stay proportional. Friction arms jump at the reversals, and so do
     their slopes: the jumps are the differences of the parabolas through three samples on either side (h^3), they are
     taken out as periodic sawteeth (Bernoulli polynomials) and put back exactly at the stated angle; a sample on a

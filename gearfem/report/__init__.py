@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gearfem.report.body_table import write_body
     from gearfem.report.html import write_report
+    from gearfem.report.motion_plots import write_motion_pictures, write_sweep_pictures
     from gearfem.report.plots import write_pictures
     from gearfem.report.render import Rendering, write_render, write_vtu
     from gearfem.report.render_solid import write_solid_render
     from gearfem.report.summary import summarise
+    from gearfem.report.sweep_table import write_sweep
     from gearfem.report.tables import write_compliance, write_dynamics, write_kinematics, write_stiffness, write_summary
 
 __all__ = [
@@ -21,22 +23,27 @@ __all__ = [
     "write_compliance",
     "write_dynamics",
     "write_kinematics",
+    "write_motion_pictures",
     "write_pictures",
     "write_render",
     "write_report",
     "write_solid_render",
     "write_stiffness",
     "write_summary",
+    "write_sweep",
+    "write_sweep_pictures",
     "write_vtu",
 ]
 
 _HOMES = {
     "html": ("write_report",),
+    "motion_plots": ("write_motion_pictures", "write_sweep_pictures"),
     "plots": ("write_pictures",),
     "render": ("Rendering", "write_render", "write_vtu"),
     "render_solid": ("write_solid_render",),
     "summary": ("summarise",),
     "body_table": ("write_body",),
+    "sweep_table": ("write_sweep",),
     "tables": ("write_compliance", "write_dynamics", "write_kinematics", "write_stiffness", "write_summary"),
 }
 

@@ -1,0 +1,231 @@
+"""The sweep of the dynamics command: its speeds, what it keeps on disk while it runs, and going on from there."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any, TextIO
+
+import numpy as np
+
+from gearfem.cli.steps import Done
+from gearfem.definition.setup import Setup
+from gearfem.dynamics.drive import make_drive
+from gearfem.dynamics.sweep import sweep
+from gearfem.dynamics.sweep_record import Direction, Sweep, SweepPoint
+from gearfem.engagement.engage import mesh_force
+from gearfem.foundation import Array, InputError, digest
+from gearfem.foundation.progress import Progress
+from gearfem.foundation.units import RPM
+from gearfem.pipeline import run as run_chain
+from gearfem.report.motion_plots import write_sweep_pictures
+from gearfem.report.summary import model_sha256
+from gearfem.report.sweep_table import write_sweep
+
+PARTIAL = "sweep.partial.jsonl"
+MOST_SPEEDS = 100_000
+# A process takes a second or two to start, about as long as 300 speeds take.
+WORTH_A_PROCESS = 300
+EVERY = 2.0
+ARRAYS = ("harmonic_amplitude", "harmonic_phase", "line_amplitude", "multiplier_magnitude", "state")
+
+
+def read_speeds(text: str) -> Array:
+    """Return pinion speeds [rad/s] of FIRST:LAST:COUNT in rpm.
+
+    Parameters
+    ----------
+    text : str
+        As "500:3000:200".
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    InputError
+        If the text is anything else.
+
+    Examples
+    --------
+    >>> (read_speeds("100:300:3") / RPM).round(6).tolist()
+    [100.0, 200.0, 300.0]
+    """
+    try:
+        first, last, count = (kind(word) for kind, word in zip((float, float, int), text.split(":"), strict=True))
+    except ValueError:
+        first, last, count = math.nan, math.nan, 0
+    if not (0.0 < first <= last < math.inf and 1 <= count <= MOST_SPEEDS and (first < last) == (count > 1)):
+        raise InputError("--speeds", text, f"FIRST:LAST:COUNT in rpm, as 500:3000:200, rising, at most {MOST_SPEEDS} speeds")
+    return np.linspace(first, last, count) * RPM
+
+
+class Partial:
+    """Finished points of a sweep on disk, one JSON line each, behind a line that says which sweep it is.
+
+    Parameters
+    ----------
+    out : Path
+        Folder.
+    setup : Setup
+        Model.
+    speeds : ndarray
+        Speeds of the sweep [rad/s].
+    both_ways : bool
+        Whether up and down.
+    resume : bool
+        Whether the points of an interrupted run are read, or dropped.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to go on from, or it belongs to another model or sweep.
+
+    Notes
+    -----
+    A line is written and handed to the system in one piece as soon as its speed is finished; a last line torn by a crash is
+    dropped. Numbers are written with all their digits, so that a resumed sweep is the uninterrupted one to the last bit.
+    """
+
+    def __init__(self, out: Path, setup: Setup, speeds: Array, both_ways: bool, resume: bool) -> None:
+        self.path = out / PARTIAL
+        self._identity = {"model_sha256": model_sha256(setup), "speeds": digest(speeds), "both_ways": both_ways}
+        self.points = self._read() if resume else []
+        self._stream: TextIO | None = None
+
+    def __enter__(self) -> Partial:
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        temporary = self.path.with_suffix(".new")
+        temporary.write_text("".join(f"{json.dumps(line)}\n" for line in [self._identity, *map(_plain, self.points)]))
+        temporary.replace(self.path)
+        self._stream = self.path.open("a", encoding="utf-8")
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._stream is not None:
+            self._stream.close()
+
+    def add(self, point: SweepPoint) -> None:
+        """Put one finished point on disk."""
+        assert self._stream is not None
+        self.points.append(point)
+        self._stream.write(json.dumps(_plain(point), allow_nan=False) + "\n")
+        self._stream.flush()
+        os.fsync(self._stream.fileno())
+
+    def done(self) -> None:
+        """Remove the file: the sweep is whole."""
+        self.path.unlink()
+
+    def _read(self) -> list[SweepPoint]:
+        if not self.path.is_file():
+            raise InputError("--resume", f"no {self.path}", "a folder with an interrupted sweep; without --resume it starts anew")
+        text = self.path.read_text(encoding="utf-8")
+        lines = text[: text.rfind("\n") + 1].splitlines()
+        if not lines or json.loads(lines[0]) != self._identity:
+            raise InputError(
+                "--resume",
+                f"{self.path} of another model or other speeds",
+                "the model, --set, --speeds and --both-ways that it was begun with",
+            )
+        return [_point(json.loads(line)) for line in lines[1:]]
+
+
+def _plain(point: SweepPoint) -> dict[str, Any]:
+    values = {field.name: getattr(point, field.name) for field in dataclasses.fields(point)}
+    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
+
+
+def _point(values: dict[str, Any]) -> SweepPoint:
+    typed: dict[str, Any] = {name: np.array(value, float) if name in ARRAYS else value for name, value in values.items()}
+    return SweepPoint(**typed)
+
+
+def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: int | None, resume: bool, progress: Progress) -> Done:
+    """Run a sweep, keeping what is finished on disk, and write its tables and pictures.
+
+    Parameters
+    ----------
+    setup : Setup
+        Model.
+    out : Path
+        Folder.
+    speeds : ndarray
+        [rad/s].
+    both_ways, resume : bool
+        As the options.
+    workers : int, optional
+        Processes; by default as many as pay, at most one per core.
+    progress : Progress
+        Listener.
+
+    Returns
+    -------
+    Done
+    """
+    partial = Partial(out, setup, speeds, both_ways, resume)
+    results = run_chain(setup, "engagement", progress=progress)
+    assert results.mesh is not None
+    forces = mesh_force(results.mesh, setup.operation.pinion_torque)
+    written = time.monotonic()
+    processes = workers or min(os.cpu_count() or 1, 1 + speeds.size * (1 + both_ways) // WORTH_A_PROCESS)
+
+    def finished(point: SweepPoint) -> None:
+        nonlocal written
+        partial.add(point)
+        if time.monotonic() - written > EVERY:
+            write_sweep(_sorted(partial.points), setup, out)
+            written = time.monotonic()
+
+    try:
+        with partial:
+            whole = sweep(
+                forces,
+                make_drive(setup),
+                speeds,
+                both_ways=both_ways,
+                workers=processes,
+                known=tuple(partial.points),
+                finished=finished,
+                progress=progress,
+            )
+    except BaseException:
+        if partial.points:
+            write_sweep(_sorted(partial.points), setup, out)
+        raise
+    files = list(write_sweep(whole, setup, out))
+    progress("pictures", 0, 1)
+    files += write_sweep_pictures(whole, setup, out)
+    progress("pictures", 1, 1)
+    partial.done()
+    return Done(_lines(setup, whole), files)
+
+
+def _sorted(points: list[SweepPoint]) -> Sweep:
+    order: dict[Direction, int] = {"rest": 0, "up": 1, "down": 2}
+    return Sweep(points=tuple(sorted(points, key=lambda point: (order[point.direction], point.pinion_speed))))
+
+
+def _lines(setup: Setup, whole: Sweep) -> list[str]:
+    first = whole.points[0]
+    full = first.pinion_speed / first.tuning / RPM
+    lines = [f"{setup.name}: natural frequency {first.natural_frequency:.1f} Hz, mesh frequency reaches it at {full:.0f} rpm"]
+    for direction in whole.directions:
+        branch = whole.branch(direction)
+        top = max(branch, key=lambda point: point.dynamic_factor_max)
+        lost = sum(point.contact_loss > 0.0 for point in branch)
+        wild = sum(point.period_cycles == 0 for point in branch)
+        lines.append(
+            f"{direction}: largest dynamic factor {top.dynamic_factor_max:.3f} at {top.pinion_speed / RPM:.1f} rpm; "
+            f"contact is lost at {lost} of {len(branch)} speeds, {wild} motions do not repeat"
+        )
+    if whole.branch("up"):
+        apart = np.abs(whole.column("dynamic_factor_max", "up") - whole.column("dynamic_factor_max", "down")) > 1e-3
+        lines.append(f"up and down differ at {int(apart.sum())} speeds")
+    return lines
