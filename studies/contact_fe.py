@@ -36,7 +36,7 @@ from gearfem.placement import make_placement
 Level: TypeAlias = tuple[float, float]
 # Edges in half a band of contact, and resolution of the mesh elsewhere.
 FULL: tuple[Level, ...] = ((4.0, 1.5), (8.0, 2.5))
-SMALL: tuple[Level, ...] = ((3.0, 1.0), (4.0, 1.5))
+SMALL: tuple[Level, ...] = ((4.0, 1.5), (5.0, 2.0))
 COLUMNS = (
     "te_um, contact_te_um: transmission error of the engagement and of full contact",
     "contact_te_change_pct, contact_share_change: from the coarser to the finer mesh of full contact",

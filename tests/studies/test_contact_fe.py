@@ -32,6 +32,7 @@ def test_coal_combine(study, tmp_path):
     assert (tmp_path / "contact_fe.csv").exists()
 
 
+@pytest.mark.slow
 def test_unshifted_pair(study, small_pair):
     check(study.compare(small_pair, study.SMALL, every=3))
 
