@@ -5,9 +5,14 @@ from gearfem.compliance.castigliano import Castigliano, FilletMiddle, FormCircle
 from gearfem.compliance.elasticity import PlaneStrain, PlaneStress
 from gearfem.compliance.field import Field
 from gearfem.compliance.finite_elements import FiniteElements
+from gearfem.compliance.paper_mesh import LayerAndSides, PaperMesh, TwoLayers
 from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
+from gearfem.compliance.solid import SolidElements
+from gearfem.compliance.solid_field import SolidField
+from gearfem.compliance.solid_mesh import SolidMesh
 from gearfem.compliance.stage import load_positions, make_compliance, with_error
 from gearfem.compliance.supports import Bore, Root, RootChord
+from gearfem.compliance.width_record import WidthInfluence, WidthProfile
 
 __all__ = [
     "BodyCompliance",
@@ -19,12 +24,20 @@ __all__ = [
     "FilletMiddle",
     "FiniteElements",
     "FormCircle",
+    "LayerAndSides",
+    "PaperMesh",
     "PlaneStrain",
     "PlaneStress",
     "Root",
     "RootChord",
     "RootEnd",
+    "SolidElements",
+    "SolidField",
+    "SolidMesh",
     "ToothCompliance",
+    "TwoLayers",
+    "WidthInfluence",
+    "WidthProfile",
     "annulus_wind_up",
     "body_compliance",
     "load_positions",
