@@ -16,10 +16,10 @@ import numpy as np
 from gearfem.cli.steps import Done
 from gearfem.definition.setup import Setup
 from gearfem.dynamics.drive import make_drive
-from gearfem.dynamics.sweep import sweep
-from gearfem.dynamics.sweep_record import Direction, Sweep, SweepPoint
+from gearfem.dynamics.sweep import Found, sweep
+from gearfem.dynamics.sweep_record import Direction, Failure, Sweep, SweepPoint
 from gearfem.engagement.engage import mesh_force
-from gearfem.foundation import Array, InputError, digest
+from gearfem.foundation import Array, InputError, SolveError, digest
 from gearfem.foundation.progress import Progress
 from gearfem.foundation.units import RPM
 from gearfem.pipeline import run as run_chain
@@ -29,9 +29,11 @@ from gearfem.report.sweep_table import write_sweep
 
 PARTIAL = "sweep.partial.jsonl"
 MOST_SPEEDS = 100_000
-# A process takes a second or two to start, about as long as 300 speeds take.
-WORTH_A_PROCESS = 300
+# A process takes some three seconds to start, as long as six hundred speeds take; fewer than these gain nothing by it.
+WORTH_A_PROCESS = 1000
 EVERY = 2.0
+UP_AND_DOWN: tuple[Direction, Direction] = ("up", "down")
+APART = 1e-3
 ARRAYS = ("harmonic_amplitude", "harmonic_phase", "line_amplitude", "multiplier_magnitude", "state")
 
 
@@ -111,7 +113,7 @@ class Partial:
         if self._stream is not None:
             self._stream.close()
 
-    def add(self, point: SweepPoint) -> None:
+    def add(self, point: Found) -> None:
         """Put one finished point on disk."""
         assert self._stream is not None
         self.points.append(point)
@@ -123,7 +125,7 @@ class Partial:
         """Remove the file: the sweep is whole."""
         self.path.unlink()
 
-    def _read(self) -> list[SweepPoint]:
+    def _read(self) -> list[Found]:
         if not self.path.is_file():
             raise InputError("--resume", f"no {self.path}", "a folder with an interrupted sweep; without --resume it starts anew")
         text = self.path.read_text(encoding="utf-8")
@@ -137,14 +139,14 @@ class Partial:
         return [_point(json.loads(line)) for line in lines[1:]]
 
 
-def _plain(point: SweepPoint) -> dict[str, Any]:
+def _plain(point: Found) -> dict[str, Any]:
     values = {field.name: getattr(point, field.name) for field in dataclasses.fields(point)}
     return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
 
 
-def _point(values: dict[str, Any]) -> SweepPoint:
+def _point(values: dict[str, Any]) -> Found:
     typed: dict[str, Any] = {name: np.array(value, float) if name in ARRAYS else value for name, value in values.items()}
-    return SweepPoint(**typed)
+    return Failure(**typed) if "reason" in typed else SweepPoint(**typed)
 
 
 def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: int | None, resume: bool, progress: Progress) -> Done:
@@ -168,6 +170,11 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
     Returns
     -------
     Done
+
+    Raises
+    ------
+    SolveError
+        If every speed fails.
     """
     partial = Partial(out, setup, speeds, both_ways, resume)
     results = run_chain(setup, "engagement", progress=progress)
@@ -176,11 +183,16 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
     written = time.monotonic()
     processes = workers or min(os.cpu_count() or 1, 1 + speeds.size * (1 + both_ways) // WORTH_A_PROCESS)
 
-    def finished(point: SweepPoint) -> None:
+    def keep() -> None:
+        there = Sweep.of(partial.points)
+        if there.points:
+            write_sweep(there, setup, out)
+
+    def finished(point: Found) -> None:
         nonlocal written
         partial.add(point)
         if time.monotonic() - written > EVERY:
-            write_sweep(_sorted(partial.points), setup, out)
+            keep()
             written = time.monotonic()
 
     try:
@@ -196,20 +208,16 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
                 progress=progress,
             )
     except BaseException:
-        if partial.points:
-            write_sweep(_sorted(partial.points), setup, out)
+        keep()
         raise
+    if not whole.points:
+        raise SolveError(f"no speed of the sweep has a motion; the first: {whole.failures[0].reason}")
     files = list(write_sweep(whole, setup, out))
     progress("pictures", 0, 1)
     files += write_sweep_pictures(whole, setup, out)
     progress("pictures", 1, 1)
     partial.done()
     return Done(_lines(setup, whole), files)
-
-
-def _sorted(points: list[SweepPoint]) -> Sweep:
-    order: dict[Direction, int] = {"rest": 0, "up": 1, "down": 2}
-    return Sweep(points=tuple(sorted(points, key=lambda point: (order[point.direction], point.pinion_speed))))
 
 
 def _lines(setup: Setup, whole: Sweep) -> list[str]:
@@ -225,7 +233,8 @@ def _lines(setup: Setup, whole: Sweep) -> list[str]:
             f"{direction}: largest dynamic factor {top.dynamic_factor_max:.3f} at {top.pinion_speed / RPM:.1f} rpm; "
             f"contact is lost at {lost} of {len(branch)} speeds, {wild} motions do not repeat"
         )
-    if whole.branch("up"):
-        apart = np.abs(whole.column("dynamic_factor_max", "up") - whole.column("dynamic_factor_max", "down")) > 1e-3
-        lines.append(f"up and down differ at {int(apart.sum())} speeds")
+    up, down = ({point.pinion_speed: point.dynamic_factor_max for point in whole.branch(name)} for name in UP_AND_DOWN)
+    if up:
+        lines.append(f"up and down differ at {sum(abs(up[speed] - down[speed]) > APART for speed in up.keys() & down.keys())} speeds")
+    lines += [f"{one.direction}, {one.pinion_speed / RPM:.1f} rpm: {one.reason}" for one in whole.failures]
     return lines

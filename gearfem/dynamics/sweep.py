@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
@@ -11,22 +10,20 @@ from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from gearfem.dynamics.fast import PERIODS, TAIL, Steady, march, steady
+from gearfem.dynamics.fast import TAIL, march, steady
+from gearfem.dynamics.measures import read_off
 from gearfem.dynamics.record import DriveTrain
 from gearfem.dynamics.rigid import unloaded_transport
-from gearfem.dynamics.sweep_record import DIRECTIONS, Direction, Sweep, SweepPoint
-from gearfem.dynamics.track import Track, default_steps, make_track, scales
+from gearfem.dynamics.sweep_record import Direction, Failure, Sweep, SweepPoint
+from gearfem.dynamics.track import default_steps, make_track, scales
 from gearfem.engagement.record import MeshForce
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
-from gearfem.foundation.units import RPM
 
-HARMONICS = 6
-LONGEST = PERIODS[-1]
 FEWEST_STEPS, MOST_STEPS = 32, 65536
-Finished = Callable[[SweepPoint], None]
+Found = SweepPoint | Failure
+Finished = Callable[[Found], None]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,7 +43,7 @@ def sweep(
     both_ways: bool = False,
     steps: int = 0,
     workers: int = 1,
-    known: Sequence[SweepPoint] = (),
+    known: Sequence[Found] = (),
     finished: Finished | None = None,
     progress: Progress = quiet,
 ) -> Sweep:
@@ -68,23 +65,22 @@ def sweep(
     workers : int
         Processes; up and down count as one task each, independent speeds as many. A script that asks for more than one
         needs the usual guard `if __name__ == "__main__"`.
-    known : sequence of SweepPoint
-        Points of an interrupted sweep, which are not computed again; the rest comes out as if it had not been interrupted.
+    known : sequence of SweepPoint or Failure
+        What is there of an interrupted sweep, which are not computed again; the rest comes out as if it had not been interrupted.
     finished : callable, optional
-        Told each new point as soon as it is there.
+        Told each new point, or failure, as soon as it is there.
     progress : Progress
         Listener.
 
     Returns
     -------
     Sweep
+        Speeds that fail, as where parametric resonance outgrows the damping, are in its `failures`.
 
     Raises
     ------
     InputError
         If speeds, steps or workers cannot be used, or the drive has more than two inertias.
-    SolveError
-        If a speed fails; it is named.
 
     Notes
     -----
@@ -110,7 +106,7 @@ def sweep(
     if both_ways:
         chains = [("up", wanted), ("down", wanted[::-1])]
     have = {(point.direction, point.pinion_speed): point for point in known}
-    points: list[SweepPoint] = []
+    points: list[Found] = []
     total = sum(len(chain) for _, chain in chains)
     with _pool(Case(mesh, drive, steps), min(workers, len(chains))) as pool:
         for point, is_new in _points(pool, chains, have):
@@ -118,7 +114,7 @@ def sweep(
             if is_new and finished is not None:
                 finished(point)
             progress("sweep", len(points), total)
-    return Sweep(points=tuple(sorted(points, key=lambda point: (DIRECTIONS.index(point.direction), point.pinion_speed))))
+    return Sweep.of(points)
 
 
 def _checked(mesh: MeshForce, drive: DriveTrain, speeds: Iterable[float], steps: int, workers: int) -> list[float]:
@@ -149,8 +145,8 @@ class _Here:
     def __exit__(self, *_: object) -> None:
         pass
 
-    def submit(self, _: Callable[..., Any], *args: Any) -> Future[SweepPoint]:
-        done: Future[SweepPoint] = Future()
+    def submit(self, _: Callable[..., Any], *args: Any) -> Future[Found]:
+        done: Future[Found] = Future()
         done.set_result(steady_point(self._case, *args))
         return done
 
@@ -171,15 +167,15 @@ def _begin(case: Case) -> None:
     _CASE[:] = [case]
 
 
-def _in_worker(*args: Any) -> SweepPoint:
+def _in_worker(*args: Any) -> Found:
     return steady_point(_CASE[0], *args)
 
 
 def _points(
-    pool: Any, chains: list[tuple[Direction, list[float]]], have: dict[tuple[Direction, float], SweepPoint]
-) -> Iterator[tuple[SweepPoint, bool]]:
+    pool: Any, chains: list[tuple[Direction, list[float]]], have: dict[tuple[Direction, float], Found]
+) -> Iterator[tuple[Found, bool]]:
     """Yield all points, and whether they are new, as they come: one after the other within a chain, chains side by side."""
-    waiting: dict[Future[SweepPoint], Iterator[tuple[Direction, float]]] = {}
+    waiting: dict[Future[Found], Iterator[tuple[Direction, float]]] = {}
     ready: list[tuple[Iterator[tuple[Direction, float]], Array | None]] = [
         (iter([(direction, speed) for speed in chain]), None) for direction, chain in reversed(chains)
     ]
@@ -193,21 +189,25 @@ def _points(
                     if key not in have:
                         waiting[pool.submit(_in_worker, *key, state)] = chain
                         break
-                    state = have[key].state
+                    state = _end(have[key])
                     yield have[key], False
             for future in wait(waiting, return_when=FIRST_COMPLETED).done:
                 point, chain = future.result(), waiting.pop(future)
                 yield point, True
-                ready.append((chain, point.state))
+                ready.append((chain, _end(point)))
     finally:
         for future in waiting:
             future.cancel()
 
 
+def _end(found: Found) -> Array | None:
+    return found.state if isinstance(found, SweepPoint) else None
+
+
 # ---- one speed --------------------------------------------------------------------------------------
 
 
-def steady_point(case: Case, direction: Direction, speed: float, state: Array | None) -> SweepPoint:
+def steady_point(case: Case, direction: Direction, speed: float, state: Array | None) -> Found:
     """Return the steady motion at one speed.
 
     Parameters
@@ -223,12 +223,7 @@ def steady_point(case: Case, direction: Direction, speed: float, state: Array | 
 
     Returns
     -------
-    SweepPoint
-
-    Raises
-    ------
-    SolveError
-        With the speed at which it failed.
+    SweepPoint or Failure
     """
     drive = dataclasses.replace(case.drive, pinion_speed=speed)
     sizes = scales(case.mesh, drive)
@@ -241,78 +236,5 @@ def steady_point(case: Case, direction: Direction, speed: float, state: Array | 
         found = steady(track, start, drive.damping_ratio * sizes.length, state is not None)
         _, held, nodes = march(track, found.state, found.period or TAIL, nodes=True)
     except SolveError as error:
-        raise SolveError(f"at {speed / RPM:.6g} rpm: {error}") from error
-    return _point(case.mesh, drive, track, found, direction, held, nodes)
-
-
-def _point(mesh: MeshForce, drive: DriveTrain, track: Track, found: Steady, direction: Direction, held: Array, nodes: Array) -> SweepPoint:
-    sizes = scales(mesh, drive)
-    length, step = track.times[-1], track.steps
-    weights = 0.5 * (step + np.roll(step, 1)) / length
-    error = sizes.unit * (nodes[..., 0] + track.motion[track.first, 0] + track.unloaded[:-1])
-    mean = float((error * weights).sum() / len(error))
-    lines = _lines(error - mean, weights, track.times[:-1] / length)
-    # The samples start at the table's first angle, phases count from angle 0.
-    turn = 2.0 * math.pi * mesh.pinion_angle[0] / mesh.period
-    harmonics = lines[0, LONGEST - 1 :: LONGEST] * np.exp(-1j * turn * np.arange(1, HARMONICS + 1))
-    moment = nodes[..., 3] / (sizes.gain1 * drive.pinion_torque)
-    force = nodes[..., 2] * mesh.mean_stiffness * sizes.unit
-    offset = np.array([track.motion[0, 0], track.motion[0, 1], 0.0])
-    return SweepPoint(
-        direction=direction,
-        pinion_speed=drive.pinion_speed,
-        mesh_frequency=drive.pinion_speed / mesh.period,
-        natural_frequency=sizes.natural / (2.0 * math.pi),
-        dynamic_factor_max=_largest(moment, nodes[..., 4], track),
-        dynamic_factor_min=-_largest(-moment, nodes[..., 4], track),
-        mesh_force_max=_largest(force, nodes[..., 4], track),
-        mesh_force_mean=float((force * weights).sum() / len(force)),
-        error_mean=mean,
-        error_rms=math.sqrt(float(((error - mean) ** 2 * weights).sum() / len(error))),
-        harmonic_amplitude=np.abs(harmonics),
-        harmonic_phase=np.angle(harmonics),
-        line_amplitude=np.sqrt(np.mean(np.abs(lines) ** 2, axis=0)),
-        contact_loss=float(held[0] + held[1]),
-        back_contact=float(held[0]),
-        period_cycles=found.period,
-        growth=found.growth,
-        multiplier_magnitude=np.sort(np.abs(found.multipliers))[::-1],
-        wheel_torque=float(found.state[2]) * sizes.braking,
-        state=(found.state + offset) * sizes.state,
-        steps=step.size,
-    )
-
-
-def _lines(values: Array, weights: Array, share: Array) -> NDArray[np.complex128]:
-    """Return complex amplitudes at 1/24 to 6 mesh orders, shape (b, 144), for samples (cycles, s) at shares of a cycle.
-
-    A period of fewer than 24 cycles has lines at its own multiples alone; longer stretches are taken in b blocks of 24 cycles.
-    """
-    cycles = min(len(values), LONGEST)
-    blocks = values.reshape(-1, cycles, values.shape[1])
-    number = np.arange(1, HARMONICS * cycles + 1)
-    over_cycles = np.fft.fft(blocks, axis=1)[:, number % cycles] / cycles
-    within = np.exp(-2j * math.pi * number[:, None] / cycles * share) * weights
-    lines = np.zeros((len(blocks), HARMONICS * LONGEST), complex)
-    lines[:, LONGEST // cycles - 1 :: LONGEST // cycles] = 2.0 * np.einsum("bns,ns->bn", over_cycles, within)
-    return lines
-
-
-def _largest(values: Array, side: Array, track: Track) -> float:
-    """Return the largest value between the samples (cycles, s), in parabolas through three samples of one contact state.
-
-    They are laid through each sample that tops both neighbours, and on to the reversals of sliding, where friction jumps.
-    """
-    count, steps = values.size, track.steps.size
-    flat, state = values.ravel(), side.ravel()
-    row = np.arange(1, count - 1)
-    same = (state[row - 1] == state[row]) & (state[row + 1] == state[row])
-    joined = track.first[row % steps] - track.first[(row - 1) % steps] == 2
-    joined &= track.first[(row + 1) % steps] - track.first[row % steps] == 2
-    left, middle, right = flat[:-2], flat[1:-1], flat[2:]
-    bend = 2.0 * middle - left - right
-    top = same & joined & (middle >= left) & (middle >= right) & (bend > 0.0)
-    peaks = middle[top] + (right[top] - left[top]) ** 2 / (8.0 * bend[top])
-    last = same & joined & (track.first[(row + 2) % steps] - track.first[(row + 1) % steps] != 2)
-    ends = (left - 3.0 * middle + 3.0 * right)[last]
-    return float(max(flat.max(), peaks.max(initial=-math.inf), ends.max(initial=-math.inf)))
+        return Failure(direction=direction, pinion_speed=speed, reason=str(error))
+    return read_off(case.mesh, drive, track, found, direction, held, nodes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable
 from typing import Literal
 
 import numpy as np
@@ -39,7 +40,8 @@ class SweepPoint(Record):
         Mesh cycles after which the motion repeats, 1, 2, 3, 4, 6, 8, 12 or 24; 0: not periodic, statistics of 96 cycles.
     growth : float
         How much neighbouring motions grow per mesh cycle: the largest magnitude of the Floquet multipliers over the period, to the
-        power 1/period_cycles; the mean over the cycles of the statistics where the motion is not periodic (above 1: chaotic).
+        power 1/period_cycles; the mean over the cycles of the statistics where the motion is not periodic (above 1: chaotic;
+        below: it repeats after some other number of cycles, or has not settled).
     multiplier_magnitude : ndarray, shape (2,) or (0,)
         Magnitudes of the Floquet multipliers over the period; empty where there is none.
     wheel_torque : float
@@ -80,6 +82,25 @@ class SweepPoint(Record):
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Failure(Record):
+    """A speed without a motion to report, and why.
+
+    Parameters
+    ----------
+    direction : {"rest", "up", "down"}
+        As `SweepPoint`; the next speed starts from rest.
+    pinion_speed : float
+        [rad/s].
+    reason : str
+        One sentence.
+    """
+
+    direction: Direction
+    pinion_speed: float
+    reason: str
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Sweep(Record):
     """Steady motion over the speed.
 
@@ -87,9 +108,21 @@ class Sweep(Record):
     ----------
     points : tuple of SweepPoint
         By direction, then by speed.
+    failures : tuple of Failure
+        Speeds that have no point, in the same order.
     """
 
     points: tuple[SweepPoint, ...]
+    failures: tuple[Failure, ...] = ()
+
+    @classmethod
+    def of(cls, found: Iterable[SweepPoint | Failure]) -> Sweep:
+        """Return the sweep of points and failures in any order."""
+        ordered = sorted(found, key=lambda one: (DIRECTIONS.index(one.direction), one.pinion_speed))
+        return cls(
+            points=tuple(one for one in ordered if isinstance(one, SweepPoint)),
+            failures=tuple(one for one in ordered if isinstance(one, Failure)),
+        )
 
     def branch(self, direction: Direction) -> tuple[SweepPoint, ...]:
         """Return the points of one direction, by increasing speed; none if it was not run."""

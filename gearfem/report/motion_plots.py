@@ -9,8 +9,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from gearfem.definition.setup import Setup
+from gearfem.dynamics.measures import LONGEST
 from gearfem.dynamics.record import ElasticMotion
-from gearfem.dynamics.sweep import LONGEST
 from gearfem.dynamics.sweep_record import Direction, Sweep
 from gearfem.foundation.units import RPM, UM
 from gearfem.report import style

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.definition.setup import Setup
-from gearfem.dynamics.sweep import HARMONICS, LONGEST
+from gearfem.dynamics.measures import HARMONICS, LONGEST
 from gearfem.dynamics.sweep_record import Sweep, SweepPoint
 from gearfem.foundation.files import write_csv
 from gearfem.foundation.units import factor
