@@ -39,7 +39,7 @@ RIGID_STEPS = 1600
 
 METHOD_ASSUMPTIONS = (
     "Plane strain across the whole face width; the load is uniform along it.",
-    "Each gear is a disc with a solid web, held rigidly on its bore; shafts and bearings do not yield.",
+    "Each gear is a disc with a solid web, held rigidly on its bore; shafts and bearings yield in the elastic dynamics alone, where given.",
     "The contact is a line contact without friction, its band cut off at a tip edge; below it, each tooth yields as its "
     "finite elements do down to its centreline.",
     "The rigid model takes the ratio of the forces under the operation torque, which changes hands over a finite angle; "

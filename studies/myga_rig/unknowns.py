@@ -112,7 +112,8 @@ def rows_of(setup: Setup, small: bool) -> list[dict[str, Any]]:
         held = dataclasses.replace(drive, pinion_support=support, wheel_support=support)
         motion = elastic_motion(mesh, held, uniform_transport(mesh, held), cycles=1, tolerance=1e-6)
         rows.append(("yielding supports", f"{compliance * 1e9:g} um/kN", motion.largest_dynamic_factor))
-    rows += together(mesh, drive, [0.0, form_deviation(gear, 5), form_deviation(gear, 7)], 3 if small else 13)
+    sizes = [0.0, *(form_deviation(gear, grade) for grade in ((7,) if small else (5, 7)))]
+    rows += together(mesh, drive, sizes, 2 if small else 13)
     return [
         {"unknown": a, "value": b, "dynamic_factor": kw, "over_measured": kw / MEASURED, "over_authors": kw / AUTHORS} for a, b, kw in rows
     ]
