@@ -48,7 +48,7 @@ def test_curve_says_what_it_is(method, outline) -> None:
     assert curve.support in SUPPORTS
     assert len(curve.u) == len(curve.radius) == len(curve.deflection) == len(curve.depth)
     assert set(np.round(curve.u, 12)) <= set(np.round(U, 12))
-    assert curve.radius == pytest.approx(np.hypot(*outline.point(curve.u).T), rel=1e-12)
+    assert curve.radius == pytest.approx(np.hypot(*outline.point(curve.u).T), rel=1e-12, abs=0.0)
 
 
 def test_deflection_is_positive_and_grows_towards_the_tip(method, outline) -> None:
@@ -69,7 +69,7 @@ def test_compliance_falls_with_the_modulus(method, outline) -> None:
     gear = outline.gear
     material = dataclasses.replace(gear.material, youngs_modulus=2.0 * gear.material.youngs_modulus)
     stiff = Outline(gear=dataclasses.replace(gear, material=material))
-    assert method.curve(stiff, U).deflection == pytest.approx(method.curve(outline, U).deflection / 2.0, rel=1e-10)
+    assert method.curve(stiff, U).deflection == pytest.approx(method.curve(outline, U).deflection / 2.0, rel=1e-10, abs=0.0)
 
 
 def test_size_scales_out(method, outline) -> None:
@@ -77,13 +77,13 @@ def test_size_scales_out(method, outline) -> None:
     gear = outline.gear
     lengths = ("module", "root_radius", "tip_radius", "tip_edge_radius", "bore_radius")
     large = Outline(gear=dataclasses.replace(gear, **{name: 3.0 * getattr(gear, name) for name in lengths}))
-    assert method.curve(large, U).deflection == pytest.approx(method.curve(outline, U).deflection, rel=1e-8)
+    assert method.curve(large, U).deflection == pytest.approx(method.curve(outline, U).deflection, rel=1e-8, abs=0.0)
 
 
 def test_positions_do_not_disturb_each_other(method, outline) -> None:
     together = method.curve(outline, U)
     alone = method.curve(outline, U[3:4])
-    assert alone.deflection[0] == pytest.approx(together.deflection[list(together.u).index(U[3])], rel=1e-10)
+    assert alone.deflection[0] == pytest.approx(together.deflection[list(together.u).index(U[3])], rel=1e-10, abs=0.0)
 
 
 def test_same_content_gives_the_same_result(method, outline) -> None:

@@ -58,7 +58,7 @@ def test_solution_is_complementary(pairs: int, torque: float) -> None:
     allowed = (shared.transmission_error[:, None] - system.gap) * system.lever
     approach = system.approach(STEEL, shared.force)
     loaded = shared.force > 0.0
-    assert (system.arm * shared.force).sum(axis=1) == pytest.approx(torque, rel=1e-11)
+    assert (system.arm * shared.force).sum(axis=1) == pytest.approx(torque, rel=1e-11, abs=0.0)
     # The solver stops at 1e-12 of the load; approaches follow to about the same part, beside the rounding of the gaps.
     tolerance = 1e-10 * approach.max() + np.spacing(system.gap.max())
     assert np.abs(approach - allowed)[loaded].max() < tolerance
@@ -101,7 +101,7 @@ def test_large_torque_tends_to_all_pairs_in_contact() -> None:
     full = np.linalg.inv(system.linear + law.slope * np.eye(3))
     stiffness = np.einsum("aj,ajk,ak->a", system.arm, full, system.lever)
     assert (shared.force > 0.0).all()
-    assert shared.slope == pytest.approx(1.0 / stiffness, rel=1e-9)
+    assert shared.slope == pytest.approx(1.0 / stiffness, rel=1e-9, abs=0.0)
 
 
 def test_slope_is_the_derivative_of_the_error() -> None:
@@ -119,7 +119,7 @@ def test_given_error_returns_the_torque() -> None:
     system = random_system(4)
     shared = share_torque(system, STEEL, 300.0)
     again = share_error(system, STEEL, shared.transmission_error)
-    assert (again.force * system.arm).sum(axis=1) == pytest.approx(300.0, rel=1e-9)
+    assert (again.force * system.arm).sum(axis=1) == pytest.approx(300.0, rel=1e-9, abs=0.0)
 
 
 def test_error_grows_with_torque() -> None:

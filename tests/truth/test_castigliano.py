@@ -50,14 +50,14 @@ def test_deflection_is_the_derivative_of_the_energy(shape):
     upper, lower = (energy(force + sign * step, length, load_chord, base_chord, angle) for sign in (1.0, -1.0))
     slope = (upper - lower) / (2.0 * step)
     # The energy is quadratic in the force, so the central difference is exact; 1e-10 leaves room for rounding alone.
-    assert float(sum(parts)) * force == pytest.approx(slope, rel=1e-10)
+    assert float(sum(parts)) * force == pytest.approx(slope, rel=1e-10, abs=0.0)
 
 
 def test_parallel_sides_are_euler_with_shear():
     length, chord = 30e-3, 5e-3
     bending, shear, compression = trapezoid_compliance(length=length, load_chord=chord, base_chord=chord, angle=0.0, material=STEEL)
-    assert bending == pytest.approx(4.0 * length**3 / (STEEL.youngs_modulus * chord**3), rel=1e-14)
-    assert shear == pytest.approx(1.2 * length / (STEEL.shear_modulus * chord), rel=1e-14)
+    assert bending == pytest.approx(4.0 * length**3 / (STEEL.youngs_modulus * chord**3), rel=1e-14, abs=0.0)
+    assert shear == pytest.approx(1.2 * length / (STEEL.shear_modulus * chord), rel=1e-14, abs=0.0)
     assert compression == 0.0
 
 
@@ -75,8 +75,8 @@ def test_pressing_on_the_near_edge_bends_the_tooth_back():
     """By hand, E = h = 1, L = 2, 45 deg: M = (t - 1/2)/sqrt 2, so 12 int M^2 dt = 7; pulling, M = (t + 1/2)/sqrt 2 gives 31."""
     unit = Material(youngs_modulus=1.0)
     shape = {"length": 2.0, "load_chord": 1.0, "base_chord": 1.0, "material": unit}
-    assert trapezoid_compliance(angle=math.pi / 4.0, **shape)[0] == pytest.approx(7.0, rel=1e-14)
-    assert trapezoid_compliance(angle=-math.pi / 4.0, **shape)[0] == pytest.approx(31.0, rel=1e-14)
+    assert trapezoid_compliance(angle=math.pi / 4.0, **shape)[0] == pytest.approx(7.0, rel=1e-14, abs=0.0)
+    assert trapezoid_compliance(angle=-math.pi / 4.0, **shape)[0] == pytest.approx(31.0, rel=1e-14, abs=0.0)
 
 
 def test_axial_load_is_an_eccentric_column():
@@ -84,8 +84,8 @@ def test_axial_load_is_an_eccentric_column():
     for angle in (math.pi / 2.0, -math.pi / 2.0):
         bending, shear, compression = trapezoid_compliance(length=2.0, load_chord=0.5, base_chord=0.5, angle=angle, material=STEEL)
         column = 2.0 / (STEEL.youngs_modulus * 0.5)
-        assert bending == pytest.approx(3.0 * column, rel=1e-14)
-        assert compression == pytest.approx(column, rel=1e-14)
+        assert bending == pytest.approx(3.0 * column, rel=1e-14, abs=0.0)
+        assert compression == pytest.approx(column, rel=1e-14, abs=0.0)
         # cos(pi/2) is 6e-17 in floating point.
         assert float(shear) < 1e-30 * column
 
@@ -100,7 +100,7 @@ def test_curve_is_the_energy_of_the_tooth_it_describes(coal_combine, base):
         point, inward = outline.point(u), -outline.normal(u)
         angle = math.atan2(-inward[0], -inward[1])
         expected = 2.0 * energy(1.0, point[0] - bottom[0], 2.0 * point[1], 2.0 * bottom[1], angle)
-        assert curve.deflection[k] == pytest.approx(expected, rel=1e-10)
+        assert curve.deflection[k] == pytest.approx(expected, rel=1e-10, abs=0.0)
         # The depth leads from the load point along the load to the centreline; rounding of coordinates of 0.07 m.
         assert (point + curve.depth[k] * inward)[1] == pytest.approx(0.0, abs=1e-16)
 

@@ -106,16 +106,16 @@ def test_involute_identity_of_pressure_angles(setup, stage, contacts) -> None:
     tangent2 = flanks.wheel.roll_length(contacts.u2[inside]) / pair.wheel.base_radius
     total = pair.pinion.teeth * tangent1 + pair.wheel.teeth * tangent2
     expected = (pair.pinion.teeth + pair.wheel.teeth) * math.tan(pair.working_pressure_angle)
-    assert total == pytest.approx(expected, rel=1e-12)
+    assert total == pytest.approx(expected, rel=1e-12, abs=0.0)
 
 
 def test_arms_give_the_ratio_and_the_travel(setup, contacts) -> None:
     pair = setup.pair
     inside = on_path(contacts)
-    assert contacts.arm2[inside] / contacts.arm1[inside] == pytest.approx(pair.ratio, rel=1e-12)
-    assert contacts.arm1[inside] == pytest.approx(pair.pinion.base_radius, rel=1e-12)
+    assert contacts.arm2[inside] / contacts.arm1[inside] == pytest.approx(pair.ratio, rel=1e-12, abs=0.0)
+    assert contacts.arm1[inside] == pytest.approx(pair.pinion.base_radius, rel=1e-12, abs=0.0)
     width = contacts.friction_arm1 + contacts.friction_arm2
-    assert width[inside] == pytest.approx(pair.centre_distance * math.sin(pair.working_pressure_angle), rel=1e-12)
+    assert width[inside] == pytest.approx(pair.centre_distance * math.sin(pair.working_pressure_angle), rel=1e-12, abs=0.0)
 
 
 def test_rigid_contact_turns_the_wheel_by_its_arms(setup, stage) -> None:
@@ -137,7 +137,7 @@ def test_sliding_is_the_difference_of_the_material_velocities(contacts) -> None:
     scale = np.abs(contacts.sliding_velocity[reach]).max()
     assert np.abs(material - contacts.sliding_velocity)[reach].max() < 1e-12 * scale
     inside = on_path(contacts)
-    assert contacts.rolling_velocity1[inside] == pytest.approx(contacts.friction_arm1[inside], rel=1e-12)
+    assert contacts.rolling_velocity1[inside] == pytest.approx(contacts.friction_arm1[inside], rel=1e-12, abs=0.0)
     corner = off_path(contacts)
     assert np.abs(contacts.rolling_velocity1 - contacts.friction_arm1)[corner].max() > 0.1 * scale
 

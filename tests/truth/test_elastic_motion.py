@@ -55,9 +55,9 @@ def test_linear_limit_is_the_damped_oscillator(mesh_factory, coal_drive, tuning)
     expected = amplitude * tuning**2 / (1.0 - tuning**2 + 2j * drive.damping_ratio * tuning)
     # Splines over 1024 angles err by 1e-8; the integration by some thousand times 1e-10 of the mean deflection, 100 times A.
     assert abs(found - expected) < 2e-6 * abs(expected) + 1e-7 * amplitude
-    assert deflection.mean() == pytest.approx(1605.0 / RADII[0] / STIFFNESS, rel=1e-7)
+    assert deflection.mean() == pytest.approx(1605.0 / RADII[0] / STIFFNESS, rel=1e-7, abs=0.0)
     # The orbit closes to 100 times the tolerance of 1e-10.
-    assert motion.wheel_torque == pytest.approx(1605.0 * RADII[1] / RADII[0], rel=1e-7)
+    assert motion.wheel_torque == pytest.approx(1605.0 * RADII[1] / RADII[0], rel=1e-7, abs=0.0)
     assert motion.periodic
 
 
@@ -123,7 +123,7 @@ def test_friction_moves_the_wheel_torque_by_its_mean_loss(mesh_factory, coal_dri
     found = 1.0 - motion.wheel_torque / (1605.0 * RADII[1] / RADII[0])
     print(f"loss of the teeth by quadrature {loss:.6f}, by the orbit {found:.6f}")
     assert loss > 0.005
-    assert found == pytest.approx(loss, rel=2e-4)
+    assert found == pytest.approx(loss, rel=2e-4, abs=0.0)
 
 
 def absolute(mesh, drive, stiffness, unloaded, slope, wheel_torque, seconds, start):
@@ -204,7 +204,7 @@ def test_kw_is_the_moment_of_the_teeth(mesh_factory, coal_drive):
     assert np.abs(slope - motion.pinion_acceleration)[1:-1].max() < 1e-4 * np.abs(motion.pinion_acceleration).max()
     travelled = np.cumsum(0.5 * (motion.pinion_speed[1:] + motion.pinion_speed[:-1]) * np.diff(motion.time))
     assert np.abs(motion.pinion_angle[1:] - motion.pinion_angle[0] - travelled).max() < 1e-9
-    assert motion.pinion_angle[2000] - motion.pinion_angle[0] == pytest.approx(PERIOD, rel=1e-12)
+    assert motion.pinion_angle[2000] - motion.pinion_angle[0] == pytest.approx(PERIOD, rel=1e-12, abs=0.0)
 
 
 def test_multipliers_obey_liouville(mesh_factory, coal_drive):
@@ -213,7 +213,7 @@ def test_multipliers_obey_liouville(mesh_factory, coal_drive):
     motion = elastic_motion(mesh, coal_drive, unloaded_transport(mesh, coal_drive))
     natural = math.sqrt(mesh.mean_stiffness / reduced_mass(coal_drive))
     expected = math.exp(-2.0 * coal_drive.damping_ratio * natural * PERIOD / coal_drive.pinion_speed)
-    assert np.prod(motion.multipliers).real == pytest.approx(expected, rel=1e-6)
+    assert np.prod(motion.multipliers).real == pytest.approx(expected, rel=1e-6, abs=0.0)
 
 
 def test_the_choice_of_transport_does_not_matter(mesh_factory, coal_drive):
@@ -241,4 +241,4 @@ def test_friction_takes_power_on_both_flanks(mesh_factory, coal_drive, side):
         ratio = RADII[0] / RADII[1]
         sliding = 53.0 * (RADII[0] * TANGENT + path - ratio * (RADII[1] * TANGENT - path))
         # Spline of the arms beside their jumps; the force is 20 um times the stiffness.
-        assert taken[0] * 53.0 - taken[1] * 53.0 * ratio == pytest.approx(0.1 * 20e-6 * STIFFNESS * abs(sliding), rel=1e-6)
+        assert taken[0] * 53.0 - taken[1] * 53.0 * ratio == pytest.approx(0.1 * 20e-6 * STIFFNESS * abs(sliding), rel=1e-6, abs=0.0)

@@ -90,4 +90,4 @@ def test_the_rigid_model_loses_what_its_efficiency_says(coal_drive):
     motion = rigid_motion(angle, ratio, PERIOD, coal_drive)
     turn = PERIOD * np.mean(1.0 / ratio)
     # A periodic trapezium of 512 points is exact to rounding.
-    assert motion.wheel_torque * turn == pytest.approx(0.96 * 1605.0 * PERIOD, rel=1e-12)
+    assert motion.wheel_torque * turn == pytest.approx(0.96 * 1605.0 * PERIOD, rel=1e-12, abs=0.0)

@@ -48,10 +48,10 @@ def test_myga_rig_is_an_unshifted_pair_of_full_depth():
     # (z + 2) m/2 and (z - 2.5) m/2; the reference centre distance is the given one.
     assert [pair.pinion.tip_radius, pair.wheel.tip_radius] == pytest.approx([55.5e-3, 57e-3], abs=1e-12)
     assert [pair.pinion.bore_radius, pair.wheel.bore_radius] == pytest.approx([48.75e-3 / 2, 50.25e-3 / 2], abs=1e-12)
-    assert operation.wheel_torque == pytest.approx(75.4 * 36 / 35, rel=1e-14)
+    assert operation.wheel_torque == pytest.approx(75.4 * 36 / 35, rel=1e-14, abs=0.0)
     # rho b pi/2 (r^4 - r_bore^4) of a steel disc between bore and reference circle.
     disc = math.pi / 2 * 7850 * 30e-3 * ((52.5e-3) ** 4 - (24.375e-3) ** 4)
-    assert operation.pinion_inertia == pytest.approx(disc, rel=1e-13)
+    assert operation.pinion_inertia == pytest.approx(disc, rel=1e-13, abs=0.0)
     assert operation.pinion_speed == pytest.approx(157.0, abs=0.005)
     sentences = "\n".join(setup.assumptions)
     for words in (
@@ -125,5 +125,5 @@ def test_a_gears_own_material_replaces_single_keys_of_the_common_one():
     assert (wheel.youngs_modulus, wheel.poissons_ratio, wheel.density, wheel.yield_strength) == (170e9, 0.28, 7850.0, 1.2e9)
     # Inertia by its own density: the disc of 7850 kg/m3 times 7100/7850.
     assert setup.operation.pinion_inertia == pytest.approx(
-        math.pi / 2 * 7100 * 20e-3 * (20e-3**4 - setup.pair.pinion.bore_radius**4), rel=1e-13
+        math.pi / 2 * 7100 * 20e-3 * (20e-3**4 - setup.pair.pinion.bore_radius**4), rel=1e-13, abs=0.0
     )

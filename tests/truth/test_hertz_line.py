@@ -48,7 +48,7 @@ def test_approach_is_the_strain_under_the_load(ratio):
     depth = ratio * float(LAW.half_width(LOAD, RADIUS))
     expected = strained_depth(STEEL, depth, LOAD) + strained_depth(CAST_IRON, 1.7 * depth, LOAD)
     # The nested quadratures are asked for 1e-9.
-    assert LAW.approach(LOAD, RADIUS, depth, 1.7 * depth) == pytest.approx(expected, rel=3e-9)
+    assert LAW.approach(LOAD, RADIUS, depth, 1.7 * depth) == pytest.approx(expected, rel=3e-9, abs=0.0)
 
 
 def test_pressure_carries_the_load():
@@ -92,11 +92,13 @@ def test_without_load_nothing_moves():
 
 def test_bodies_are_alike():
     mirrored = HertzLine(pinion=CAST_IRON, wheel=STEEL)
-    assert mirrored.approach(LOAD, RADIUS, 4e-3, 9e-3) == pytest.approx(float(LAW.approach(LOAD, RADIUS, 9e-3, 4e-3)), rel=1e-15)
-    assert mirrored.half_width(LOAD, RADIUS) == pytest.approx(float(LAW.half_width(LOAD, RADIUS)), rel=1e-15)
+    assert mirrored.approach(LOAD, RADIUS, 4e-3, 9e-3) == pytest.approx(float(LAW.approach(LOAD, RADIUS, 9e-3, 4e-3)), rel=1e-15, abs=0.0)
+    assert mirrored.half_width(LOAD, RADIUS) == pytest.approx(float(LAW.half_width(LOAD, RADIUS)), rel=1e-15, abs=0.0)
 
 
 def test_lengths_scale():
     """Twice the size under twice the line load: same pressure, approach and width twice."""
-    assert LAW.approach(2 * LOAD, 2 * RADIUS, 18e-3, 8e-3) == pytest.approx(2.0 * float(LAW.approach(LOAD, RADIUS, 9e-3, 4e-3)), rel=1e-14)
-    assert LAW.pressure(2 * LOAD, 2 * RADIUS) == pytest.approx(float(LAW.pressure(LOAD, RADIUS)), rel=1e-14)
+    assert LAW.approach(2 * LOAD, 2 * RADIUS, 18e-3, 8e-3) == pytest.approx(
+        2.0 * float(LAW.approach(LOAD, RADIUS, 9e-3, 4e-3)), rel=1e-14, abs=0.0
+    )
+    assert LAW.pressure(2 * LOAD, 2 * RADIUS) == pytest.approx(float(LAW.pressure(LOAD, RADIUS)), rel=1e-14, abs=0.0)

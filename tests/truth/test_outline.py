@@ -62,7 +62,7 @@ def test_curvature_is_that_of_three_points(outline: Outline) -> None:
         area = ab[1] * bc[0] - ab[0] * bc[1]
         circle = 2.0 * area / (np.linalg.norm(ab) * np.linalg.norm(bc) * np.linalg.norm(ca))
         # The circle through three points differs by the square of their distance.
-        assert outline.curvature(u) == pytest.approx(circle, rel=1e-4)
+        assert outline.curvature(u) == pytest.approx(circle, rel=1e-4, abs=0.0)
 
 
 def test_fillet_is_cut_by_the_rack(outline: Outline) -> None:
@@ -94,7 +94,7 @@ def test_a_planted_sign_error_would_show(gear_factory) -> None:
     normal = thin.normal(u)
     moved = (thick.point(u) - thin.point(u)) @ normal
     # Equal roll lengths on parallel involutes turn by 0.1 mm / r_b: along the normal by 0.1 mm to second order.
-    assert moved == pytest.approx(0.1e-3, rel=5e-3)
+    assert moved == pytest.approx(0.1e-3, rel=5e-3, abs=0.0)
     assert thick.gear.root_radius == thin.gear.root_radius == pytest.approx(math.hypot(*thin.point(0.0)))
 
 
@@ -103,7 +103,7 @@ def test_form_circle_of_an_unshifted_gear(gear_factory) -> None:
     gear = gear_factory(40, 1e-3, 21e-3)
     straight = gear.rack.dedendum - gear.rack.tip_radius * (1.0 - math.sin(gear.pressure_angle))
     angle = math.atan(math.tan(gear.pressure_angle) - 4.0 * straight / (40 * math.sin(2.0 * gear.pressure_angle)))
-    assert Outline(gear=gear).flank_start == pytest.approx(gear.base_radius * math.tan(angle), rel=1e-12)
+    assert Outline(gear=gear).flank_start == pytest.approx(gear.base_radius * math.tan(angle), rel=1e-12, abs=0.0)
     assert involute(0.0) == 0.0
 
 

@@ -64,8 +64,8 @@ def test_stress_falls_with_module_and_not_with_modulus(coal_combine, gear_factor
     soft = Outline(gear=gear_factory(20, 1e-3, 11e-3, material=Material(youngs_modulus=70e9)))
     values = [fillet_stress(outline, [2.8], FiniteElements()).stress[0] for outline in (small, large, soft)]
     # Similar meshes and linear equations: rounding of the solution, whose condition is about 1e6.
-    assert values[0] / values[1] == pytest.approx(8.0, rel=1e-8)
-    assert values[2] == pytest.approx(values[0], rel=1e-8)
+    assert values[0] / values[1] == pytest.approx(8.0, rel=1e-8, abs=0.0)
+    assert values[2] == pytest.approx(values[0], rel=1e-8, abs=0.0)
 
 
 def test_clamped_root_is_refused(coal_combine):
@@ -95,7 +95,7 @@ def test_root_section_of_iso_lies_on_the_outline(gear_factory, teeth, shift, thi
     turn = np.hypot(*(outline.normal(u + step) - outline.normal(u - step)))
     radius = np.hypot(*(outline.point(u + step) - outline.point(u - step))) / turn
     # Central differences over 2e-4 of a fillet of a radian: 1e-8.
-    assert section.fillet_radius == pytest.approx(radius, rel=1e-7)
+    assert section.fillet_radius == pytest.approx(radius, rel=1e-7, abs=0.0)
 
 
 def test_form_factor_is_the_bending_stress_of_the_section(coal_combine):
@@ -110,7 +110,9 @@ def test_form_factor_is_the_bending_stress_of_the_section(coal_combine):
     np.testing.assert_allclose(factors.form_factor, form, rtol=1e-10)
     # By hand at the last: L = s/h, q = s/(2 rho).
     slender, notch = factors.section.chord / factors.bending_arm[-1], factors.notch
-    assert factors.stress_correction[-1] == pytest.approx((1.2 + 0.13 * slender) * notch ** (1.0 / (1.21 + 2.3 / slender)), rel=1e-14)
+    assert factors.stress_correction[-1] == pytest.approx(
+        (1.2 + 0.13 * slender) * notch ** (1.0 / (1.21 + 2.3 / slender)), rel=1e-14, abs=0.0
+    )
 
 
 def test_loads_without_a_bending_arm_have_no_factor(coal_combine):

@@ -39,7 +39,7 @@ def test_bases_lie_where_they_say(outline):
     low, high = outline.point([1.0, 2.0])[:, 0]
     assert height["RootEnd"] == low
     assert height["FormCircle"] == high
-    assert height["FilletMiddle"] == pytest.approx(0.5 * (low + high), rel=1e-15)
+    assert height["FilletMiddle"] == pytest.approx(0.5 * (low + high), rel=1e-15, abs=0.0)
 
 
 @pytest.mark.parametrize("u", [[1.9, 2.5], [2.5, 4.1], [2.5, 2.5], [2.5, float("nan")], 2.5])

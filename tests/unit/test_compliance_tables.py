@@ -51,7 +51,7 @@ def test_error_column_is_the_methods_own_estimate(written: Path) -> None:
         float(r["error_estimate"]) for r in rows(written / "compliance.csv") if (r["gear"], r["method"]) == ("wheel", "fe_plane_strain")
     ]
     # Ten digits are written.
-    assert column == pytest.approx(expected, rel=1e-9)
+    assert column == pytest.approx(expected, rel=1e-9, abs=0.0)
 
 
 def test_body_parts_add_up_and_agree_with_the_compliance(written: Path) -> None:
@@ -65,14 +65,14 @@ def test_body_parts_add_up_and_agree_with_the_compliance(written: Path) -> None:
     for row in table:
         total, tooth, body, wind_up = (float(row[f"{part}deflection_um_per_N_per_mm"]) for part in ("", "tooth_", "body_", "wind_up_"))
         # Ten digits are written.
-        assert total == pytest.approx(whole[row["gear"], row["radius_mm"]], rel=1e-9)
-        assert tooth + body == pytest.approx(total, rel=1e-8)
-        assert float(row["wind_up_share"]) == pytest.approx(wind_up / total, rel=1e-8)
+        assert total == pytest.approx(whole[row["gear"], row["radius_mm"]], rel=1e-9, abs=0.0)
+        assert tooth + body == pytest.approx(total, rel=1e-8, abs=0.0)
+        assert float(row["wind_up_share"]) == pytest.approx(wind_up / total, rel=1e-8, abs=0.0)
         assert 0.0 < wind_up < body
     # By hand: 2.5416e-10 rad per N = 2.5416e-7 rad for 1 N m per mm; the base radius of the wheel is 191.697 mm.
     last = [row for row in table if row["gear"] == "wheel"][-1]
-    assert float(last["wind_up_rotation_rad_per_Nm_per_mm"]) == pytest.approx(2.5416e-7, rel=1e-4)
-    assert float(last["wind_up_deflection_um_per_N_per_mm"]) == pytest.approx(2.5416e-10 * 0.191697**2 * 1e9, rel=1e-4)
+    assert float(last["wind_up_rotation_rad_per_Nm_per_mm"]) == pytest.approx(2.5416e-7, rel=1e-4, abs=0.0)
+    assert float(last["wind_up_deflection_um_per_N_per_mm"]) == pytest.approx(2.5416e-10 * 0.191697**2 * 1e9, rel=1e-4, abs=0.0)
 
 
 def test_rounding_is_all_the_error_a_closed_form_has(coal_combine) -> None:

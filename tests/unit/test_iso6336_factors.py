@@ -21,29 +21,31 @@ def stiffness(**changes):
 def test_all_nine_coefficients():
     """By hand, z 20/20, x 0.5/0.4: the published example has x2 = 0 and so says nothing on C6, C7 and C9."""
     by_hand = 0.04723 + 0.0077755 + 0.0128955 - 0.003175 - 0.0029135 - 0.000772 - 0.0048376 + 0.0013225 + 0.0002912
-    assert by_hand == pytest.approx(0.0578166, rel=1e-12)
+    assert by_hand == pytest.approx(0.0578166, rel=1e-12, abs=0.0)
     # Sums of nine decimals: rounding alone.
-    assert stiffness(profile_shift=(0.5, 0.4)).theoretical_stiffness == pytest.approx(1e9 / 0.0578166, rel=1e-12)
+    assert stiffness(profile_shift=(0.5, 0.4)).theoretical_stiffness == pytest.approx(1e9 / 0.0578166, rel=1e-12, abs=0.0)
 
 
 def test_factors_of_rack_helix_blank_and_material():
     plain = stiffness()
-    assert plain.single_stiffness == pytest.approx(0.8 * plain.theoretical_stiffness, rel=1e-15)
-    assert stiffness(dedendum=(1.4, 1.4)).rack_factor == pytest.approx(0.9, rel=1e-14)
-    assert stiffness(pressure_angle=25 * DEG).rack_factor == pytest.approx(1.1, rel=1e-14)
-    assert stiffness(helix_angle=60 * DEG).single_stiffness == pytest.approx(0.5 * plain.single_stiffness, rel=1e-14)
-    assert stiffness(blank_factor=0.9).single_stiffness == pytest.approx(0.9 * plain.single_stiffness, rel=1e-14)
+    assert plain.single_stiffness == pytest.approx(0.8 * plain.theoretical_stiffness, rel=1e-15, abs=0.0)
+    assert stiffness(dedendum=(1.4, 1.4)).rack_factor == pytest.approx(0.9, rel=1e-14, abs=0.0)
+    assert stiffness(pressure_angle=25 * DEG).rack_factor == pytest.approx(1.1, rel=1e-14, abs=0.0)
+    assert stiffness(helix_angle=60 * DEG).single_stiffness == pytest.approx(0.5 * plain.single_stiffness, rel=1e-14, abs=0.0)
+    assert stiffness(blank_factor=0.9).single_stiffness == pytest.approx(0.9 * plain.single_stiffness, rel=1e-14, abs=0.0)
     # 2 * 206 * 103/(309) is two thirds of 206.
-    assert stiffness(youngs_modulus=(206e9, 103e9)).single_stiffness == pytest.approx(plain.single_stiffness * 2.0 / 3.0, rel=1e-14)
+    assert stiffness(youngs_modulus=(206e9, 103e9)).single_stiffness == pytest.approx(
+        plain.single_stiffness * 2.0 / 3.0, rel=1e-14, abs=0.0
+    )
 
 
 def test_low_load_softens_by_the_fourth_root():
-    assert stiffness(line_load=6.25e3).single_stiffness == pytest.approx(0.5 * stiffness().single_stiffness, rel=1e-14)
+    assert stiffness(line_load=6.25e3).single_stiffness == pytest.approx(0.5 * stiffness().single_stiffness, rel=1e-14, abs=0.0)
     assert stiffness(line_load=100e3).load_factor == 1.0
 
 
 def test_mesh_stiffness_from_the_contact_ratio():
-    assert stiffness(contact_ratio=5.0 / 3.0).mesh_stiffness == pytest.approx(1.5 * stiffness().single_stiffness, rel=1e-14)
+    assert stiffness(contact_ratio=5.0 / 3.0).mesh_stiffness == pytest.approx(1.5 * stiffness().single_stiffness, rel=1e-14, abs=0.0)
 
 
 @pytest.mark.parametrize(
@@ -77,19 +79,19 @@ def test_pair_is_read_as_the_standard_means_it(small_pair):
     ours = iso6336_stiffness(pair, 50.0)
     expected = stiffness(virtual_teeth=(20, 30), dedendum=(1.25, 1.25), contact_ratio=pair.contact_ratio)
     # The dedendum comes from differences of radii of ten modules.
-    assert ours.single_stiffness == pytest.approx(expected.single_stiffness, rel=1e-14)
-    assert ours.mesh_stiffness == pytest.approx(expected.mesh_stiffness, rel=1e-14)
-    assert iso6336_stiffness(pair, 12.5).load_factor == pytest.approx(0.3125**0.25, rel=1e-14)
+    assert ours.single_stiffness == pytest.approx(expected.single_stiffness, rel=1e-14, abs=0.0)
+    assert ours.mesh_stiffness == pytest.approx(expected.mesh_stiffness, rel=1e-14, abs=0.0)
+    assert iso6336_stiffness(pair, 12.5).load_factor == pytest.approx(0.3125**0.25, rel=1e-14, abs=0.0)
     assert any("C_R = 1" in sentence for sentence in ours.assumptions)
 
 
 def test_pair_with_its_own_roots_and_materials(coal_combine):
     pair = coal_combine.pair
-    assert iso6336_stiffness(pair, 1605.0).rack_factor == pytest.approx(0.975, rel=1e-13)
+    assert iso6336_stiffness(pair, 1605.0).rack_factor == pytest.approx(0.975, rel=1e-13, abs=0.0)
     deeper = dataclasses.replace(pair.wheel, root_radius=pair.wheel.root_radius - 0.15 * 8e-3, material=Material(youngs_modulus=103e9))
     changed = iso6336_stiffness(dataclasses.replace(pair, wheel=deeper), 1605.0)
-    assert changed.rack_factor == pytest.approx(0.5 * (0.975 + 0.9), rel=1e-13)
-    assert changed.material_factor == pytest.approx(2.0 / 3.0, rel=1e-14)
+    assert changed.rack_factor == pytest.approx(0.5 * (0.975 + 0.9), rel=1e-13, abs=0.0)
+    assert changed.material_factor == pytest.approx(2.0 / 3.0, rel=1e-14, abs=0.0)
     assert "mean of C_B" in changed.warnings[-1]
 
 

@@ -43,7 +43,7 @@ def test_making_a_setup_leaves_the_mapping_as_it_was():
 
 def test_overrides_replace_add_and_reach_new_tables():
     setup = load_model(MODEL, ["pair.face_width_mm=60", " wheel.material.density_kg_per_m3 = 7000.0 ", 'name="other"'])
-    assert setup.pair.face_width == pytest.approx(0.06, rel=1e-15)
+    assert setup.pair.face_width == pytest.approx(0.06, rel=1e-15, abs=0.0)
     assert (setup.pair.pinion.material.density, setup.pair.wheel.material.density) == (7850.0, 7000.0)
     assert setup.name == "other"
 

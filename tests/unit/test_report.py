@@ -157,7 +157,7 @@ def test_compliance_columns_and_units(results, tmp_path):
         ("fe_plane_strain", "bore"), ("fe_plane_strain", "root"), ("castigliano", "root")
     }  # fmt: skip
     # By hand: 4e-12 m per N/m = 4e-6 um per N/m = 4e-3 um per N/mm.
-    assert float(columns["deflection_um_per_N_per_mm"][0]) == pytest.approx(4e-3, rel=1e-9)
+    assert float(columns["deflection_um_per_N_per_mm"][0]) == pytest.approx(4e-3, rel=1e-9, abs=0.0)
 
 
 def test_compliance_of_chosen_methods_alone(results, tmp_path):
@@ -240,7 +240,7 @@ def test_summary_has_every_key_as_finite_json(results, tmp_path):
     assert values["castigliano_over_fe_min"] == pytest.approx(1.05)
     assert values["castigliano_over_fe_max"] == pytest.approx(1.05)
     # The transmission error repeats, so both turns are in the ratio of the teeth to rounding error.
-    assert values["gear_ratio_mean"] == pytest.approx(51.0 / 16.0, rel=1e-14)
+    assert values["gear_ratio_mean"] == pytest.approx(51.0 / 16.0, rel=1e-14, abs=0.0)
     assert values["assumptions"][:2] == list(results.assumptions)
 
 
@@ -251,7 +251,7 @@ def test_mean_gear_ratio_sees_a_wheel_that_falls_back(results):
     slipping = dataclasses.replace(engagement, transmission_error=engagement.transmission_error + drift)
     mean = summarise(dataclasses.replace(results, engagement=slipping))["gear_ratio_mean"]
     # By hand: two pitches of the pinion, pi/4 rad, and those of the wheel, 4 pi/51, less 0.1 mm on r_b2 = 191.697 mm.
-    assert mean == pytest.approx((math.pi / 4.0) / (4.0 * math.pi / 51.0 - 0.1 / 191.697), rel=1e-6)
+    assert mean == pytest.approx((math.pi / 4.0) / (4.0 * math.pi / 51.0 - 0.1 / 191.697), rel=1e-6, abs=0.0)
 
 
 def test_loads_on_the_tip_round_are_left_out(results, tmp_path):

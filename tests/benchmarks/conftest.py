@@ -1,0 +1,3 @@
+"""Benchmarks are run by themselves: their numbers depend on what else the machine does."""
+
+collect_ignore_glob = ["bench_*.py"]
