@@ -31,6 +31,8 @@ PARTIAL = "sweep.partial.jsonl"
 MOST_SPEEDS = 100_000
 # A process takes some three seconds to start, as long as six hundred speeds take; fewer than these gain nothing by it.
 WORTH_A_PROCESS = 1000
+# Drives of more than two inertias take half a second or more a speed.
+LARGE_WORTH_A_PROCESS = 10
 EVERY = 2.0
 UP_AND_DOWN: tuple[Direction, Direction] = ("up", "down")
 APART = 1e-3
@@ -181,7 +183,9 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
     assert results.mesh is not None
     forces = mesh_force(results.mesh, setup.operation.pinion_torque)
     written = time.monotonic()
-    processes = workers or min(os.cpu_count() or 1, 1 + speeds.size * (1 + both_ways) // WORTH_A_PROCESS)
+    drive = make_drive(setup)
+    worth = WORTH_A_PROCESS if drive.two_inertias else LARGE_WORTH_A_PROCESS
+    processes = workers or min(os.cpu_count() or 1, 1 + speeds.size * (1 + both_ways) // worth)
 
     def keep() -> None:
         there = Sweep.of(partial.points)
@@ -199,7 +203,7 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
         with partial:
             whole = sweep(
                 forces,
-                make_drive(setup),
+                drive,
                 speeds,
                 both_ways=both_ways,
                 workers=processes,

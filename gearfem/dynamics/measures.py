@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gearfem.dynamics.fast import PERIODS, Steady
 from gearfem.dynamics.flank_force import flank_force
-from gearfem.dynamics.record import DriveTrain
+from gearfem.dynamics.record import DriveTrain, ElasticMotion
 from gearfem.dynamics.sweep_record import Direction, SweepPoint
 from gearfem.dynamics.track import Track, scales
 from gearfem.engagement.record import MeshForce
@@ -98,6 +98,58 @@ def _lines(values: Array, weights: Array, share: Array) -> NDArray[np.complex128
     lines = np.zeros((len(blocks), HARMONICS * LONGEST), complex)
     lines[:, LONGEST // cycles - 1 :: LONGEST // cycles] = 2.0 * np.einsum("bns,ns->bn", over_cycles, within)
     return lines
+
+
+def read_off_reference(mesh: MeshForce, drive: DriveTrain, motion: ElasticMotion, direction: Direction) -> SweepPoint:
+    """Return what a sweep reports of one periodic cycle by Gear's method, for drives that the fixed steps do not take.
+
+    Parameters
+    ----------
+    mesh, drive : MeshForce, DriveTrain
+        The model at this speed.
+    motion : ElasticMotion
+        One cycle of a stable periodic motion.
+    direction : {"rest", "up", "down"}
+        Handed through.
+
+    Returns
+    -------
+    SweepPoint
+
+    Notes
+    -----
+    Extremes are those of the samples, `steps` their number. The natural frequency is still that of the two gears alone.
+    """
+    sizes, error = scales(mesh, drive), motion.transmission_error
+    count, mean = error.size, float(error.mean())
+    lines = _lines((error - mean)[None], np.full(count, 1.0 / count), np.arange(count) / count)
+    turn = 2.0 * math.pi * mesh.pinion_angle[0] / mesh.period
+    harmonics = lines[0, LONGEST - 1 :: LONGEST] * np.exp(-1j * turn * np.arange(1, HARMONICS + 1))
+    start = float(error[0] - mesh.unloaded_error[0])
+    rate = float(error[1] - error[-1]) * count * drive.pinion_speed / (2.0 * mesh.period)
+    return SweepPoint(
+        direction=direction,
+        pinion_speed=drive.pinion_speed,
+        mesh_frequency=drive.pinion_speed / mesh.period,
+        natural_frequency=sizes.natural / (2.0 * math.pi),
+        dynamic_factor_max=motion.largest_dynamic_factor,
+        dynamic_factor_min=float(motion.dynamic_factor.min()),
+        mesh_force_max=float(motion.mesh_force.max()),
+        mesh_force_mean=float(motion.mesh_force.mean()),
+        error_mean=mean,
+        error_rms=float(error.std()),
+        harmonic_amplitude=np.abs(harmonics),
+        harmonic_phase=np.angle(harmonics),
+        line_amplitude=np.abs(lines[0]),
+        contact_loss=motion.contact_loss,
+        back_contact=float(np.mean(motion.mesh_force < 0.0)),
+        period_cycles=1,
+        growth=float(np.abs(motion.multipliers).max()),
+        multiplier_magnitude=np.sort(np.abs(motion.multipliers))[::-1],
+        wheel_torque=motion.wheel_torque,
+        state=np.array([start, rate, motion.wheel_torque / sizes.braking]),
+        steps=count,
+    )
 
 
 def _extremes(mesh: MeshForce, drive: DriveTrain, track: Track, nodes: Array, repeats: bool) -> tuple[float, float, float]:

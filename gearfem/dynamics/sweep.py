@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from gearfem.dynamics.elastic import TAIL as TAIL_CYCLES
+from gearfem.dynamics.elastic import elastic_motion
 from gearfem.dynamics.fast import TAIL, march, steady
-from gearfem.dynamics.measures import read_off
+from gearfem.dynamics.measures import read_off, read_off_reference
 from gearfem.dynamics.record import DriveTrain
 from gearfem.dynamics.rigid import unloaded_transport
 from gearfem.dynamics.sweep_record import Direction, Failure, Sweep, SweepPoint
@@ -22,6 +24,7 @@ from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 FEWEST_STEPS, MOST_STEPS = 32, 65536
+REFERENCE_SAMPLES = 800
 Found = SweepPoint | Failure
 Finished = Callable[[Found], None]
 
@@ -54,7 +57,7 @@ def sweep(
     mesh : MeshForce
         Forces of the working flanks.
     drive : DriveTrain
-        Two inertias, pinion torque, friction and damping; speed, wheel torque and efficiency are not used.
+        Inertias, pinion torque, friction and damping; speed, wheel torque and efficiency are not used.
     speeds : iterable of float
         Mean speeds of the pinion, increasing [rad/s].
     both_ways : bool
@@ -80,12 +83,14 @@ def sweep(
     Raises
     ------
     InputError
-        If speeds, steps or workers cannot be used, or the drive has more than two inertias.
+        If speeds, steps or workers cannot be used.
 
     Notes
     -----
     Equations of `RelativeMotion`, as `elastic_motion`, whose numbers come out within 1e-4. The transport is the rigid motion
-    under the unloaded ratio, uniform for unworn teeth. Steady motion as in `fast.steady`.
+    under the unloaded ratio, uniform for unworn teeth. Steady motion as in `fast.steady`. Drives of more than two inertias go
+    through `elastic_motion` instead, a second or so for each speed: extremes are those of 800 samples, and motions that do
+    not repeat after one cycle are failures.
 
     Examples
     --------
@@ -101,7 +106,7 @@ def sweep(
     >>> bool(result.column("dynamic_factor_max", "rest").max() > 1.1)
     True
     """
-    wanted = _checked(mesh, drive, speeds, steps, workers)
+    wanted = _checked(speeds, steps, workers)
     chains: list[tuple[Direction, list[float]]] = [("rest", [speed]) for speed in wanted]
     if both_ways:
         chains = [("up", wanted), ("down", wanted[::-1])]
@@ -117,7 +122,7 @@ def sweep(
     return Sweep.of(points)
 
 
-def _checked(mesh: MeshForce, drive: DriveTrain, speeds: Iterable[float], steps: int, workers: int) -> list[float]:
+def _checked(speeds: Iterable[float], steps: int, workers: int) -> list[float]:
     wanted = [float(speed) for speed in speeds]
     if not wanted or min(wanted) <= 0.0 or not np.isfinite(wanted).all() or (np.diff(wanted) <= 0.0).any():
         raise InputError("sweep, speeds", wanted[:5], "positive, increasing speeds [rad/s]")
@@ -125,8 +130,6 @@ def _checked(mesh: MeshForce, drive: DriveTrain, speeds: Iterable[float], steps:
         raise InputError("sweep, steps", steps, f"0, or {FEWEST_STEPS} to {MOST_STEPS} per mesh cycle")
     if workers < 1:
         raise InputError("sweep, workers", workers, "at least 1")
-    if not drive.two_inertias:
-        raise InputError("sweep, drive", "further inertias or yielding supports", "two inertias; one speed at a time by `elastic_motion`")
     return wanted
 
 
@@ -226,15 +229,30 @@ def steady_point(case: Case, direction: Direction, speed: float, state: Array | 
     SweepPoint or Failure
     """
     drive = dataclasses.replace(case.drive, pinion_speed=speed)
-    sizes = scales(case.mesh, drive)
     try:
-        transport = unloaded_transport(case.mesh, drive) if case.mesh.unloaded_error.any() else None
-        track = make_track(case.mesh, drive, case.steps or default_steps(sizes.length), transport)
-        # Deflection d = x + offset, and so its rate.
-        offset = np.array([track.motion[0, 0], track.motion[0, 1], 0.0])
-        start = (np.array([1.0, 0.0, 1.0]) if state is None else state / sizes.state) - offset
-        found = steady(track, start, drive.damping_ratio * sizes.length, state is not None)
-        _, held, nodes = march(track, found.state, found.period or TAIL, nodes=True)
+        if drive.two_inertias:
+            return _by_steps(case.mesh, drive, case.steps, direction, state)
+        return _by_reference(case.mesh, drive, direction, state)
     except SolveError as error:
         return Failure(direction=direction, pinion_speed=speed, reason=str(error))
-    return read_off(case.mesh, drive, track, found, direction, held, nodes)
+
+
+def _by_steps(mesh: MeshForce, drive: DriveTrain, steps: int, direction: Direction, state: Array | None) -> SweepPoint:
+    sizes = scales(mesh, drive)
+    transport = unloaded_transport(mesh, drive) if mesh.unloaded_error.any() else None
+    track = make_track(mesh, drive, steps or default_steps(sizes.length), transport)
+    # Deflection d = x + offset, and so its rate.
+    offset = np.array([track.motion[0, 0], track.motion[0, 1], 0.0])
+    start = (np.array([1.0, 0.0, 1.0]) if state is None else state / sizes.state) - offset
+    found = steady(track, start, drive.damping_ratio * sizes.length, state is not None)
+    _, held, nodes = march(track, found.state, found.period or TAIL, nodes=True)
+    return read_off(mesh, drive, track, found, direction, held, nodes)
+
+
+def _by_reference(mesh: MeshForce, drive: DriveTrain, direction: Direction, state: Array | None) -> SweepPoint:
+    start = None if state is None else (float(state[0]), float(state[1]))
+    motion = elastic_motion(mesh, drive, unloaded_transport(mesh, drive), cycles=1, samples=REFERENCE_SAMPLES, start=start)
+    if not motion.periodic:
+        tail = f"largest dynamic factor {motion.largest_dynamic_factor:.3f} over {TAIL_CYCLES} cycles"
+        raise SolveError(f"elastic model by Gear's method: no stable motion of one cycle; {tail}")
+    return read_off_reference(mesh, drive, motion, direction)
