@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from gearfem.definition.setup import Setup
@@ -21,7 +20,9 @@ LOOKS: dict[Direction, tuple[str, str, str]] = {
     "down": (style.VERMILION, "--", "speed falling"),
 }
 HIGHEST_ORDER = 6
-MOST_SPECTRA = 60
+MOST_SPECTRA = 40
+# Half the width at which a line is drawn, in mesh orders; subharmonics of 1/8 stay apart.
+HAT = 0.06
 
 
 @style.styled
@@ -134,7 +135,7 @@ def plot_waterfall(sweep: Sweep, teeth: int) -> Figure:
     Parameters
     ----------
     sweep : Sweep
-        One picture for each direction; of many speeds, some sixty.
+        One picture for each direction; of many speeds, some forty.
     teeth : int
         Of the pinion.
 
@@ -152,12 +153,13 @@ def plot_waterfall(sweep: Sweep, teeth: int) -> Figure:
         highest = max(float(point.line_amplitude.max()) for point in chosen)
         height = 0.2 * max(float(np.ptp(speeds)), 0.1 * speeds[0])
         colour, _, label = LOOKS[direction]
-        for speed, point in zip(speeds, chosen, strict=True):
-            rise = height * point.line_amplitude / highest
-            some = point.line_amplitude > 1e-3 * highest
-            ends = [[(x, speed), (x, speed + up)] for x, up in zip(order[some], rise[some], strict=True)]
-            axis.plot([0.0, order[-1]], [speed, speed], color=style.GREY, linewidth=0.3)
-            axis.add_collection(LineCollection(ends, colors=colour, linewidths=1.6))
+        # From behind to the front, each hat hides what is behind it.
+        for layer, (speed, point) in enumerate(zip(speeds[::-1], chosen[::-1], strict=True), start=3):
+            some = np.flatnonzero(point.line_amplitude > 1e-3 * highest)
+            x = np.concatenate([[0.0], (order[some, None] + HAT * teeth * np.array([-1.0, 0.0, 1.0])).ravel(), [order[-1] + HAT * teeth]])
+            y = np.concatenate([[0.0], (height * point.line_amplitude[some, None] / highest * np.array([0.0, 1.0, 0.0])).ravel(), [0.0]])
+            axis.fill_between(x, speed, speed + y, color="white", linewidth=0.0, zorder=layer)
+            axis.plot(x, speed + y, color=colour, linewidth=0.7, zorder=layer)
         axis.set_title(f"{label}; highest line {highest / UM:.2f} µm")
         axis.set_xticks(teeth * np.arange(HIGHEST_ORDER + 1))
         axis.set_xlabel("order, per turn of the pinion")
