@@ -54,7 +54,7 @@ def test_fourth_order_through_impacts_and_reversals(rubbing, start, events):
     """One cycle from three starts: contact throughout, one landing, both flanks in turn."""
     mesh, drive = rubbing
     system = RelativeMotion(mesh, drive, uniform_transport(mesh, drive))
-    cycle = integrate_cycle(system, np.array([*start, 0.0, 0.0]), 0.98, 1e-12)
+    cycle = integrate_cycle(system, np.array([*start, 0.0, 0.0]), 0.98, 1e-11)
     sides = [piece.side for piece in cycle.pieces]
     assert sum(a != b for a, b in itertools.pairwise(sides)) >= events
     counts, errors = (64, 128, 256, 512), []
@@ -90,7 +90,7 @@ def reference_factors(system, cycle):
     return max(values.max() for values in factors), min(values.min() for values in factors)
 
 
-@pytest.mark.parametrize("speed", [5.0, 53.0, 160.0, 400.0])
+@pytest.mark.parametrize("speed", [20.0, 53.0, 160.0, 400.0])
 def test_default_steps_keep_kw_within_a_ten_thousandth(rubbing, speed):
     """Largest and least Kw, which may lie at a reversal of friction, wheel torque and multipliers, against BDF at 1e-9."""
     mesh, drive = rubbing
@@ -168,7 +168,7 @@ def test_worn_teeth_move_as_by_gears_method(mesh_factory, coal_drive):
     mesh = mesh_factory(
         TEETH, RADII, varying, unloaded=lambda angle: 5e-6 * (1.0 - np.cos(TEETH * angle)) + 2e-6 * (1.0 - np.sin(2 * TEETH * angle))
     )
-    for speed in (30.0, 120.0):
+    for speed in (60.0, 120.0):
         drive = dataclasses.replace(coal_drive, pinion_speed=speed)
         motion = elastic_motion(mesh, drive, unloaded_transport(mesh, drive), cycles=1, samples=2048)
         point = sweep(mesh, drive, [speed]).points[0]
