@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from gearfem.definition.model_file import define, read_model
+from gearfem.definition.model_file import define, origin, read_model
 from gearfem.definition.setup import Setup
 from gearfem.flank import make_flanks
 from gearfem.foundation import InputError
@@ -38,11 +38,12 @@ def load_model(path: str | Path, overrides: Iterable[str] = ()) -> Setup:
     >>> setup.pair.face_width, round(setup.pair.contact_ratio, 4)
     (0.06, 1.1455)
     """
-    setup = read_model(path, overrides)
+    changes = tuple(overrides)
+    setup = read_model(path, changes)
     try:
         make_flanks(setup)
     except InputError as error:
-        raise error.in_file(str(path)) from None
+        raise error.in_file(origin(path, changes, error)) from None
     return setup
 
 

@@ -127,11 +127,33 @@ def read_model(path: str | Path, overrides: Iterable[str] = ()) -> Setup:
     InputError
         On the first thing that cannot be used, with the name of the file.
     """
-    tables, names = with_overrides(read_tables(path), overrides)
+    changes = tuple(overrides)
+    tables, _ = with_overrides(read_tables(path), changes)
     try:
         return define(tables)
     except InputError as error:
-        raise error.in_file(f"{path} with overrides" if error.where in names else str(path)) from None
+        raise error.in_file(origin(path, changes, error)) from None
+
+
+def origin(path: str | Path, overrides: Iterable[str], error: InputError) -> str:
+    """Return the name of the file, with a word about overrides where one of them gave the refused key.
+
+    Parameters
+    ----------
+    path : str or Path
+        The model file.
+    overrides : iterable of str
+        Each "dotted.key=value".
+    error : InputError
+        The refusal.
+
+    Returns
+    -------
+    str
+    """
+    names = tuple(text.partition("=")[0].strip() for text in overrides)
+    given = any(error.where == name or error.where.startswith(f"{name}.") for name in names)
+    return f"{path} with overrides" if given else str(path)
 
 
 def model_hash(setup: Setup) -> str:

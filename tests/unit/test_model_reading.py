@@ -71,6 +71,24 @@ def test_overrides_that_cannot_be_used_are_refused_in_one_line(override, where):
     assert "\n" not in str(refusal.value)
 
 
+@pytest.mark.parametrize(
+    ("override", "where"),
+    # The first is found at the flank stage; the second blames a key of the file, the fourth one inside a table given as a whole.
+    [
+        ("rack.tip_radius=0.6", "rack.tip_radius"),
+        ("pinion.profile_shift=2.5", "pair.centre_distance_mm"),
+        ("pair.face_width_mm=-1", "pair.face_width_mm"),
+        ("material={poissons_ratio=0.7}", "material.poissons_ratio"),
+    ],
+)
+def test_a_refusal_says_whether_an_override_gave_the_key(override, where):
+    with pytest.raises(InputError) as refusal:
+        load_model(MODEL, iter([override]))
+    assert refusal.value.where == where
+    given = where.startswith(override.partition("=")[0])
+    assert str(refusal.value).startswith(f"{MODEL} with overrides: " if given else f"{MODEL}: ")
+
+
 def test_every_key_changes_the_hash_and_no_two_changes_share_one():
     changes = [
         'name="b"',
