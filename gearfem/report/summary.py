@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib.metadata
 from typing import Any, TypeVar
 
@@ -10,16 +9,18 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from gearfem.compliance.record import ComplianceCurve
+from gearfem.definition.model_file import model_hash
 from gearfem.definition.setup import GearPair, Setup
 from gearfem.engagement.iso6336 import IsoStiffness, iso6336_stiffness
 from gearfem.engagement.record import Engagement
 from gearfem.flank import Flanks, Outline
 from gearfem.flank.outline import FLANK, ROUND
-from gearfem.foundation import Array, digest
+from gearfem.foundation import Array
 from gearfem.foundation.units import factor
 from gearfem.pipeline import Results
 
 Part = TypeVar("Part")
+model_sha256 = model_hash
 
 
 def need(part: Part | None, name: str) -> Part:
@@ -47,22 +48,6 @@ def version() -> str:
     return importlib.metadata.version("gearfem")
 
 
-def model_sha256(setup: Setup) -> str:
-    """Return the hash of the model: of its resolved text, or of the record where it was built in Python.
-
-    Parameters
-    ----------
-    setup : Setup
-        Definition of the model.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits.
-    """
-    return hashlib.sha256(setup.source.encode()).hexdigest() if setup.source else digest(setup)
-
-
 def identity(setup: Setup) -> str:
     """Return the line that says which program and which model a file comes from.
 
@@ -76,7 +61,7 @@ def identity(setup: Setup) -> str:
     str
         One line, whatever the model's name holds.
     """
-    return f"gearfem {version()}, model {model_sha256(setup)}, {' '.join(setup.name.split())}"
+    return f"gearfem {version()}, model {model_hash(setup)}, {' '.join(setup.name.split())}"
 
 
 def engagements_of(results: Results) -> tuple[Engagement, ...]:
@@ -115,7 +100,7 @@ def summarise(results: Results) -> dict[str, Any]:
         **{name: _twelve_digits(value) for name, value in scaled.items()},
         "assumptions": list(dict.fromkeys((*results.assumptions, *iso.assumptions))),
         "version": version(),
-        "model_sha256": model_sha256(results.setup),
+        "model_sha256": model_hash(results.setup),
     }
 
 
