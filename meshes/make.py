@@ -15,7 +15,8 @@ import numpy as np
 
 from gearfem import __version__, load_model
 from gearfem.compliance import FiniteElements
-from gearfem.compliance.mesh_file import read_mesh, section_file, write_section
+from gearfem.compliance.mesh_file import read_mesh, section_file
+from gearfem.compliance.mesh_writing import write_section
 from gearfem.flank import make_flanks
 
 HERE = Path(__file__).parent

@@ -9,7 +9,8 @@ import numpy as np
 from gearfem.cli.steps import SUPPORTS, Done
 from gearfem.compliance import FiniteElements, load_positions
 from gearfem.compliance.foreign import check_mesh, foreign_curve
-from gearfem.compliance.mesh_file import FORMATS, format_of, read_mesh, write_section
+from gearfem.compliance.mesh_file import read_mesh
+from gearfem.compliance.mesh_writing import FORMATS, format_of, write_section
 from gearfem.definition.setup import Member, Setup
 from gearfem.flank import make_flanks
 from gearfem.foundation import InputError

@@ -141,8 +141,8 @@ class PaperMesh(Record):
         places = self._width(face_width).places
         nodes, hexes = extrude(points, _quads(grid), places)
         number = np.arange(len(points))
-        loaded = grid[_rows(outline, self.refinement) >= 2.0, -1]
-        held, flank = (np.tile(np.isin(number, own), len(places)) for own in (self.clamp.held(grid, self.refinement), loaded))
+        sides = grid[_rows(outline, self.refinement) >= 2.0][:, [0, -1]]
+        held, flank = (np.tile(np.isin(number, own), len(places)) for own in (self.clamp.held(grid, self.refinement), sides))
         return SolidMesh(nodes=nodes, hexes=hexes, held=held, flank=flank, support=self.clamp.name)
 
     # ---- steps ------------------------------------------------------------------------------------------

@@ -59,6 +59,15 @@ class SectionMesh:
     upper: Ids
     lower: Ids
 
+    def flanks(self) -> Ids:
+        """Return the nodes of both sides of the tooth from the form circle to the middle of the tip round."""
+        first = 2 * int(np.searchsorted(self.outline_u[::2], 2.0 - 1e-9))
+        side = self.outline[first : int(np.searchsorted(self.outline_u, TOP + 1e-9))]
+        places = self.mesh.doflocs
+        at = {(x, y): number for number, (x, y) in enumerate(places.T.tolist())}
+        other = [at[x, 0.0 - y] for x, y in places[:, side].T.tolist()]
+        return np.union1d(side, np.array(other, dtype=np.int64))
+
 
 # ---- sides ------------------------------------------------------------------------------------------
 

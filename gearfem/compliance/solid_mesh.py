@@ -36,7 +36,7 @@ class SolidMesh(Record):
     hexes : ndarray of int, shape (k, 8) or (k, 27)
         Nodes of trilinear or triquadratic hexahedra in VTK's order (cell types 12 and 29).
     held, flank : ndarray of bool, shape (n,)
-        Nodes that do not move, and nodes of the loaded flank with its tip round.
+        Nodes that do not move, and nodes of both flanks, up to the middle of the tip round where the mesh reaches it.
     support : str
         What is held: ``bore``, ``root``, ``root_chord`` or the name of a variant of the published mesh.
     """
@@ -92,6 +92,23 @@ def solid_mesh(section: SectionMesh, places: Array, support: str) -> SolidMesh:
     quads = np.asarray(skfem.Dofs(section.mesh, ELEMENT).element_dofs, dtype=np.int64).T
     nodes, hexes = extrude(section.mesh.doflocs.T, quads, places)
     number = np.arange(section.mesh.doflocs.shape[1])
-    loaded = section.outline[(section.outline_u >= 2.0) & (section.outline_u <= 4.0)]
-    held, flank = (np.tile(np.isin(number, own), len(places)) for own in (section.held, loaded))
+    held, flank = (np.tile(np.isin(number, own), len(places)) for own in (section.held, section.flanks()))
     return SolidMesh(nodes=nodes, hexes=hexes, held=held, flank=flank, support=support)
+
+
+def trilinear(mesh: SolidMesh) -> SolidMesh:
+    """Return the eight-node hexahedra on the corners of a mesh.
+
+    Parameters
+    ----------
+    mesh : SolidMesh
+        Of either type.
+
+    Returns
+    -------
+    SolidMesh
+        Corners in the order of the mesh's nodes; curved sides become straight.
+    """
+    used, corners = np.unique(mesh.hexes[:, :8], return_inverse=True)
+    hexes = corners.reshape(-1, 8).astype(np.int64)
+    return SolidMesh(nodes=mesh.nodes[used], hexes=hexes, held=mesh.held[used], flank=mesh.flank[used], support=mesh.support)

@@ -9,7 +9,7 @@ import pytest
 import pyvista
 
 from gearfem.compliance import Bore, Root, RootChord
-from gearfem.compliance.mesh_files import write_vtu
+from gearfem.compliance.mesh_writing import write_solid
 from gearfem.compliance.paper_mesh import LayerAndSides, PaperMesh, TwoLayers
 from gearfem.compliance.solid import SolidElements
 from gearfem.flank import Outline
@@ -65,15 +65,17 @@ def test_fields_scale_with_the_load_and_are_written_whole(outline: Outline, tmp_
     assert np.abs(field.displacement[field.mesh.held]).max() == 0.0
     double = solid(Root()).field(outline, 2.8, WIDTH, 2e5)
     assert double.von_mises / field.von_mises == pytest.approx(2.0, rel=1e-6, abs=0.0)
-    read = pyvista.read(write_vtu(tmp_path / "field.vtu", field))
-    assert set(read.array_names) == {"root", "flank", "displacement_mm", "von_mises_MPa"}
+    write_solid(field, tmp_path / "field.vtu")
+    read = pyvista.read(tmp_path / "field.vtu")
+    assert set(read.array_names) == {"root", "held", "flank", "displacement_mm", "von_mises_MPa"}
     assert read["displacement_mm"] == pytest.approx(field.displacement * 1e3, rel=1e-12, abs=0.0)
 
 
 @pytest.mark.parametrize("kind", ["solid", "paper"])
 def test_files_hold_hexahedra_the_right_way_round(outline: Outline, tmp_path: Path, kind: str) -> None:
     mesh = solid(Bore()).mesh(outline, WIDTH) if kind == "solid" else PaperMesh().mesh(outline, WIDTH)
-    read = pyvista.read(write_vtu(tmp_path / "mesh.vtu", mesh))
+    write_solid(mesh, tmp_path / "mesh.vtu")
+    read = pyvista.read(tmp_path / "mesh.vtu")
     assert read.volume > 0.0
     assert read.compute_cell_sizes()["Volume"].min() > 0.0
     if kind == "solid":
@@ -113,5 +115,10 @@ def test_bad_input_is_refused(outline: Outline) -> None:
 
 
 def test_files_of_another_ending_are_refused(outline: Outline, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="vtu"):
-        write_vtu(tmp_path / "mesh.stl", PaperMesh().mesh(outline, WIDTH))
+    mesh = PaperMesh().mesh(outline, WIDTH)
+    for name in ("mesh.stl", "mesh.ply"):
+        with pytest.raises(InputError, match="vtu"):
+            write_solid(mesh, tmp_path / name)
+    with pytest.raises(InputError, match="values at nodes"):
+        write_solid(mesh, tmp_path / "mesh.msh", {"height": mesh.nodes[:, 0]})
+    assert not list(tmp_path.iterdir())

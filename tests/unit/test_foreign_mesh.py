@@ -15,7 +15,8 @@ from gearfem.cli import main
 from gearfem.compliance import FiniteElements, Root
 from gearfem.compliance.elasticity import stiffness
 from gearfem.compliance.foreign import check_mesh, foreign_curve
-from gearfem.compliance.mesh_file import FLANK, MeshFile, read_mesh, section_file, write_section
+from gearfem.compliance.mesh_file import FLANK, MeshFile, read_mesh, section_file
+from gearfem.compliance.mesh_writing import write_section
 from gearfem.flank import Outline
 from gearfem.foundation import InputError
 
