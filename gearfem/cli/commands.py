@@ -233,18 +233,22 @@ def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None) -
 @_model
 @click.option("--out", required=True, metavar="PATH", help="A folder, or one file: *.vtu, *.vtk, *.msh, *.inp, *.xdmf ...")
 @_sets
-@click.option("--dim", type=int, default=2, show_default=True, help="Dimension; 2 is the section of the tooth.")
+@click.option("--dim", type=int, default=2, show_default=True, help="2: the section of the tooth; 3: the tooth over its face width.")
 @click.option("--gear", type=GEARS, default=None, help="One gear; by default both, of a single file the pinion.")
 @_support
-@click.option("--resolution", type=float, default=3.0, show_default=True, help="Elements along each side against half-module ones; from 1.")
-def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str | None, support: str, resolution: float) -> None:
+@click.option(
+    "--resolution", type=float, default=None, help="Elements along each side against half-module ones; by default 3, of solids 1.5."
+)
+def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str | None, support: str, resolution: float | None) -> None:
     """Write the finite-element mesh of one tooth with its sector of the gear, mesh_*.vtu.
 
     \b
     Units: mm. Boundary sets `bore` (or `root`) and `flank`: physical groups in *.msh, node sets in *.inp, and in *.vtu,
     *.vtk and *.xdmf point data that is 1 on their nodes.
+    Solids: hexahedra of 27 nodes in *.vtu, *.vtk, *.msh and *.mdpa, their corners as hexahedra of 8 elsewhere; in 12 layers.
     Example:
       gearfem mesh model.toml --dim 2 --gear wheel --out wheel.vtu
+      gearfem mesh model.toml --dim 3 --gear pinion --support root --out tooth.msh
     """
     from gearfem.cli import meshes, steps
 
@@ -252,4 +256,4 @@ def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str |
     for path in targets.values():
         folder(str(Path(path).parent))
     setup = _load(model, overrides)
-    steps.say(meshes.write(setup, targets, support, resolution))
+    steps.say(meshes.write(setup, targets, support, dim, resolution))

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from gearfem.cli.steps import SUPPORTS, Done
-from gearfem.compliance import FiniteElements, load_positions
+from gearfem.compliance import FiniteElements, SolidElements, load_positions
 from gearfem.compliance.foreign import check_mesh, foreign_curve
 from gearfem.compliance.mesh_file import read_mesh
-from gearfem.compliance.mesh_writing import FORMATS, format_of, write_section
+from gearfem.compliance.mesh_writing import FORMATS, format_of, write_section, write_solid
 from gearfem.definition.setup import Member, Setup
 from gearfem.flank import make_flanks
 from gearfem.foundation import InputError
@@ -31,27 +31,27 @@ def targets(out: str, gear: str | None, dimension: int) -> dict[Member, Path]:
     gear : str or None
         ``pinion``, ``wheel`` or, for both (of a single file the pinion), None.
     dimension : int
-        2.
+        2 or 3.
 
     Raises
     ------
     InputError
-        If the dimension is not 2, the file's ending is unknown, or the folder is a file.
+        If the dimension is another, the file's ending is unknown or that of a format without the elements, or the folder is a file.
     """
-    if dimension != 2:
-        raise InputError("--dim", dimension, "2: this version of gearfem meshes the section of the tooth")
+    if dimension not in (2, 3):
+        raise InputError("--dim", dimension, "2, the section of the tooth, or 3, the tooth as a solid")
     path = Path(out)
     wanted = [member for member in MEMBERS if gear in (None, member)]
     if path.is_dir() or not path.suffix:
         if path.exists() and not path.is_dir():
             raise InputError("--out", f"the file {out}", f"a folder, or a file that ends in {', '.join(FORMATS)}")
         return {member: path / f"mesh_{member}.vtu" for member in wanted}
-    format_of(path)
+    format_of(path, dimension)
     return {wanted[0]: path}
 
 
-def write(setup: Setup, files: dict[Member, Path], support: str, resolution: float) -> Done:
-    """Write the section meshes in mm, the tooth's axis along x and the gear's centre at the origin.
+def write(setup: Setup, files: dict[Member, Path], support: str, dimension: int, resolution: float | None) -> Done:
+    """Write the meshes in mm, the tooth's axis along x, the gear's centre at the origin; of solids mid-face at z = 0.
 
     Parameters
     ----------
@@ -59,22 +59,34 @@ def write(setup: Setup, files: dict[Member, Path], support: str, resolution: flo
         Definition of the pair.
     files : dict
         File of each gear, as from `targets`.
-    support, resolution : str, float
-        As of the finite elements.
+    support : str
+        What is held.
+    dimension : {2, 3}
+        The section, or the solid over the whole face width.
+    resolution : float or None
+        As of `FiniteElements`, or of `SolidElements`; by default that of theirs.
 
     Raises
     ------
     InputError
-        If the resolution is below 1.
+        If the resolution is below the least of the method.
     """
-    flanks = make_flanks(setup)
-    method = FiniteElements(support=SUPPORTS[support](), resolution=resolution)
+    flanks, held = make_flanks(setup), SUPPORTS[support]()
     lines = []
     for member, path in files.items():
-        section = method.support.section(flanks.pinion if member == "pinion" else flanks.wheel, method.resolution)
-        said = write_section(section, "bore" if support == "bore" else "root", path)
-        nodes, elements = section.mesh.doflocs.shape[1], section.mesh.t.shape[1]
-        lines.append(f"{member}: {elements} biquadratic quadrilaterals, {nodes} nodes; {said}")
+        outline = flanks.pinion if member == "pinion" else flanks.wheel
+        if dimension == 2:
+            plane = FiniteElements(support=held) if resolution is None else FiniteElements(support=held, resolution=resolution)
+            section = held.section(outline, plane.resolution)
+            said = write_section(section, "bore" if support == "bore" else "root", path)
+            nodes, elements = section.mesh.doflocs.shape[1], section.mesh.t.shape[1]
+            lines.append(f"{member}: {elements} biquadratic quadrilaterals, {nodes} nodes; {said}")
+        else:
+            method = SolidElements(support=held) if resolution is None else SolidElements(support=held, resolution=resolution)
+            solid = method.mesh(outline, setup.pair.face_width)
+            said = write_solid(solid, path)
+            size = f"{len(solid.hexes)} triquadratic hexahedra in {method.layers} layers, {len(solid.nodes)} nodes"
+            lines.append(f"{member}: {size}; {said}")
     return Done(lines, list(files.values()))
 
 

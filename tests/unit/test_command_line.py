@@ -18,9 +18,15 @@ from click.testing import CliRunner
 from gearfem.cli import main
 from gearfem.cli import steps as work
 from gearfem.cli.listener import Bars
-from gearfem.foundation import SolveError
+from gearfem.cli.steps import SUPPORTS
+from gearfem.compliance import SolidElements
+from gearfem.compliance.mesh_file import read_mesh
+from gearfem.flank import make_flanks
+from gearfem.foundation import InputError, SolveError
+from gearfem.model import load_model
 
 MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
+MESHES = Path(__file__).parents[2] / "meshes"
 COMMANDS = ["run", "compliance", "stiffness", "kinematics", "dynamics", "render", "mesh"]
 
 
@@ -94,7 +100,9 @@ def test_options_out_of_range_are_refused(tmp_path):
     assert call("compliance", MODEL, "--out", tmp_path, "--support", "hub").exit_code == 2
     refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "nan"), "--torque", "above 0")
     refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "-5"), "--torque", "above 0")
-    refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 3), "--dim")
+    refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 1), "--dim", "2, the section")
+    refused(call("mesh", MODEL, "--out", tmp_path / "a.ply", "--dim", 3), "--out", ".vtu")
+    refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 3, "--resolution", 0.4), "resolution")
     refused(call("mesh", MODEL, "--out", tmp_path / "a.stl"), "--out", ".vtu")
     refused(call("mesh", MODEL, "--out", tmp_path, "--resolution", 0.5), "resolution")
 
@@ -237,3 +245,38 @@ def test_a_mesh_of_one_gear_goes_to_the_file_that_is_named(tmp_path):
     points = meshio.read(tmp_path / "tooth.msh").points
     assert np.hypot(*points[:, :2].T).min() == pytest.approx(203.4, rel=1e-6, abs=0.0)
     assert os.listdir(tmp_path) == ["tooth.msh"]
+
+
+@pytest.mark.parametrize(("ending", "kind"), [("vtu", 27), ("vtk", 27), ("msh", 27), ("mdpa", 27), ("inp", 8), ("mesh", 8), ("avs", 8)])
+@pytest.mark.parametrize("support", ["root", "bore"])
+def test_solids_come_back_with_their_elements_and_sets(tmp_path, ending, kind, support):
+    path = tmp_path / f"tooth.{ending}"
+    result = call("mesh", MODEL, "--dim", 3, "--gear", "pinion", "--support", support, "--resolution", 0.5, "--out", path)
+    assert result.exit_code == 0, result.output
+    assert ("eight-node" in result.stdout) == (kind == 8)
+    pair = load_model(MODEL).pair
+    held = SUPPORTS[support]()
+    made = SolidElements(support=held, resolution=0.5).mesh(make_flanks(load_model(MODEL)).pinion, pair.face_width)
+    read = read_mesh(path, 3)
+    ((name, cells),) = read.cells
+    assert (name, cells.shape) == ("hexahedron27" if kind == 27 else "hexahedron", (len(made.hexes), kind))
+    # Every node of every element in its place: formats number second-order nodes differently. Seven digits may be written.
+    assert np.abs(read.points[cells] - made.nodes[made.hexes[:, :kind]] * 1e3).max() < 1e-4
+    if ending not in ("vtu", "vtk", "msh", "inp"):
+        assert "no boundary sets" in result.stdout
+        return
+    kept = np.isin(np.arange(len(made.nodes)), made.hexes[:, :kind])
+    assert set(read.sets) == {support, "flank"}
+    assert len(read.sets[support]) == (made.held & kept).sum()
+    assert len(read.sets["flank"]) == (made.flank & kept).sum()
+    # Both sides of the tooth, over the whole face width.
+    sides = read.points[read.sets["flank"]]
+    assert [sides[:, 1].min(), sides[:, 2].min()] == pytest.approx([-sides[:, 1].max(), -37.5], rel=1e-6, abs=0.0)
+
+
+def test_a_plane_reader_refuses_a_solid_in_one_line(tmp_path):
+    path = tmp_path / "tooth.vtu"
+    assert call("mesh", MODEL, "--dim", 3, "--gear", "pinion", "--support", "root", "--resolution", 0.5, "--out", path).exit_code == 0
+    refused(call("compliance", MODEL, "--mesh", path, "--gear", "pinion", "--out", tmp_path), "tooth.vtu", "a plane mesh")
+    with pytest.raises(InputError, match="hexahedron"):
+        read_mesh(MESHES / "coal_combine_pinion_2d.vtu", 3)
