@@ -86,7 +86,7 @@ def everything(setup: Setup, out: Path, progress: Progress) -> Done:
     files.append(write_report(results, out, rendering=renderings[0], pictures=pictures))
     progress("pictures", 3, 3)
     notices = sorted({rendering.notice for rendering in renderings if rendering.notice})
-    return Done(_numbers(results) + notices, files)
+    return Done(_numbers(results) + _left_out_lines(results) + notices, files)
 
 
 def compliance(setup: Setup, out: Path, support: str, progress: Progress) -> Done:
@@ -184,6 +184,14 @@ def _body_line(member: Member, part: BodyCompliance) -> str:
         f"{member}, body: wind-up about the bore is {share.min():.0f} to {share.max():.0f} % of the deflection, "
         f"the next tooth moves by {felt.min():.0f} to {felt.max():.0f} % of it"
     )
+
+
+def _left_out_lines(results: Results) -> list[str]:
+    return [
+        f"{row['gear']}, {row['method']}, {row['support']}: {row['count']} positions left out, whose load line crosses the centreline "
+        "below the support"
+        for row in summarise(results)["compliance_rows_left_out"]
+    ]
 
 
 def _angles(pair: GearPair, steps: int) -> Array:

@@ -22,8 +22,32 @@ def _compliance(values: Values) -> str:
     )
     if "castigliano_over_fe_min" in values:
         low, high = values["castigliano_over_fe_min"], values["castigliano_over_fe_max"]
-        text += f" Castigliano's trapezoid gives {low:.3f} to {high:.3f} of the finite elements over the active flanks; the band is ±10 %."
-    return text
+        text += (
+            f" Castigliano's trapezoid gives {low:.3f} to {high:.3f} of the finite elements over the active flanks; the band is ±10 % of "
+            "the finite elements."
+        )
+    return text + left_out_sentence(values)
+
+
+def left_out_sentence(values: Values) -> str:
+    """Say how many positions each compliance curve leaves out; empty where none does.
+
+    Parameters
+    ----------
+    values : mapping
+        Numbers of `summarise`.
+
+    Returns
+    -------
+    str
+        With a space in front.
+    """
+    rows = [
+        f"{row['count']} of the {row['gear']} ({row['method']}, {row['support']})" for row in values.get("compliance_rows_left_out", [])
+    ]
+    if not rows:
+        return ""
+    return f" Left out, since their load line crosses the centreline under the clamp or the trapezoid's base: {', '.join(rows)}."
 
 
 def _stiffness(values: Values) -> str:
@@ -56,13 +80,33 @@ def _velocities(values: Values) -> str:
 
 
 def _rigid_motion(values: Values) -> str:
-    return "Periodic motion of the rigid model, one degree of freedom: the gear ratio under load forces speed and acceleration."
+    return (
+        "Periodic motion of the rigid model, one degree of freedom, forced by the ratio of the forces Σ P l₂/Σ P l₁ under the static "
+        "load (Wojnarowski & Onishchenko 2003, eq. 11): the dashed curve of the picture of the gear ratio, which changes over a finite "
+        "angle where pairs hand over, and not by steps. The pinion's speed has the nominal mean."
+    )
+
+
+def _elastic_motion(values: Values) -> str:
+    return (
+        "Steady motion of the elastic model: speed and acceleration of the pinion itself, the unloaded gears' motion and the "
+        "vibration of the teeth together. The scales differ from those of the rigid model." + _reversal(values)
+    )
+
+
+def _reversal(values: Values) -> str:
+    if not values["friction_coefficient"]:
+        return ""
+    return " The steps of the elastic models at whole pitches are friction's, which reverses where a pair passes the pitch point."
 
 
 def _dynamic_factor(values: Values) -> str:
     return (
-        "Dynamic factor 1 - J₁ψ₁''/T₁, the load on the teeth over the static load. The classical model keeps the gear ratio constant and "
-        "takes the inertias of the two gears alone; the other two carry the whole drive."
+        "Dynamic factor Kw, the moment of the teeth on the pinion, friction included, over the driving torque T₁; where T₁ drives the "
+        "pinion itself this is 1 - J₁ψ₁''/T₁, with a minus. Without friction it is the load on the teeth over the static load."
+        + _reversal(values)
+        + " The classical model keeps the gear ratio constant and takes the inertias of the two gears alone; the other two carry the "
+        "whole drive."
     )
 
 
@@ -75,5 +119,6 @@ CAPTIONS: dict[str, tuple[str, Callable[[Values], str]]] = {
     "gear_ratio": ("Gear ratio", _gear_ratio),
     "velocities": ("Rolling and sliding", _velocities),
     "rigid_motion": ("Rigid model", _rigid_motion),
+    "elastic_motion": ("Elastic model", _elastic_motion),
     "dynamic_factor": ("Dynamic factor", _dynamic_factor),
 }

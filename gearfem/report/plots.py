@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gearfem.definition.setup import Member
+from gearfem.dynamics.record import ElasticMotion, RigidMotion
 from gearfem.foundation import Array
 from gearfem.foundation.units import MM, N_PER_UM, UM, UM_PER_N_PER_MM
 from gearfem.pipeline import Results
@@ -217,7 +218,27 @@ def plot_rigid_motion(results: Results) -> Figure:
     -------
     Figure
     """
-    motion, pitch = need(results.rigid, "rigid motion"), results.setup.pair.pinion.pitch_angle
+    return _speed_and_acceleration(results, need(results.rigid, "rigid motion"))
+
+
+@style.styled
+def plot_elastic_motion(results: Results) -> Figure:
+    """Draw speed and acceleration of the pinion in the elastic model over two pitches.
+
+    Parameters
+    ----------
+    results : Results
+        With its elastic motion.
+
+    Returns
+    -------
+    Figure
+    """
+    return _speed_and_acceleration(results, need(results.elastic, "elastic motion"))
+
+
+def _speed_and_acceleration(results: Results, motion: RigidMotion | ElasticMotion) -> Figure:
+    pitch = results.setup.pair.pinion.pitch_angle
     figure, (upper, lower) = _over_angle(results, "", rows=2)
     upper.plot(*style.two_pitches(motion.pinion_angle, motion.pinion_speed, pitch), color=style.BLUE)
     upper.set_ylabel("speed, rad/s")
@@ -280,6 +301,7 @@ PICTURES: dict[str, tuple[Callable[[Results], Figure], Callable[[Results], bool]
     "gear_ratio": (plot_gear_ratio, lambda results: results.engagement is not None),
     "velocities": (plot_velocities, lambda results: results.engagement is not None),
     "rigid_motion": (plot_rigid_motion, lambda results: results.rigid is not None),
+    "elastic_motion": (plot_elastic_motion, lambda results: results.elastic is not None),
     "dynamic_factor": (plot_dynamic_factor, lambda results: results.elastic is not None),
 }
 

@@ -8,9 +8,10 @@ from typing import Any, TypeVar
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from gearfem.compliance import load_positions
 from gearfem.compliance.record import ComplianceCurve
 from gearfem.definition.model_file import model_hash
-from gearfem.definition.setup import GearPair, Setup
+from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.engagement.iso6336 import IsoStiffness, iso6336_stiffness
 from gearfem.engagement.record import Engagement
 from gearfem.flank import Flanks, Outline
@@ -20,6 +21,7 @@ from gearfem.foundation.units import factor
 from gearfem.pipeline import Results
 
 Part = TypeVar("Part")
+MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
 model_sha256 = model_hash
 
 
@@ -98,6 +100,7 @@ def summarise(results: Results) -> dict[str, Any]:
     return {
         "name": results.setup.name,
         **{name: _twelve_digits(value) for name, value in scaled.items()},
+        **({"compliance_rows_left_out": left_out(results)} if results.compliance is not None or results.comparison else {}),
         "assumptions": list(dict.fromkeys((*results.assumptions, *iso.assumptions))),
         "version": version(),
         "model_sha256": model_hash(results.setup),
@@ -232,6 +235,32 @@ def _dynamics(results: Results) -> dict[str, Any]:
     if results.classical is not None:
         values["dynamic_factor_classical"] = results.classical.largest_dynamic_factor
     return values
+
+
+def left_out(results: Results) -> list[dict[str, Any]]:
+    """Return how many load positions the compliance curves leave out because their load line crosses the centreline too low.
+
+    Parameters
+    ----------
+    results : Results
+        Of any stages.
+
+    Returns
+    -------
+    list of dict
+        ``gear``, ``method``, ``support`` and ``count`` of each curve that leaves some of the standard positions out: those
+        below its first one, where the crossing lies under the clamp or under the trapezoid's base.
+    """
+    rows = []
+    for member in MEMBERS:
+        outline = results.flanks.pinion if member == "pinion" else results.flanks.wheel
+        wanted = load_positions(outline)
+        stage = [results.compliance.of(member)] if results.compliance is not None else []
+        for curve in (*stage, *(curve for owner, curve in results.comparison if owner == member)):
+            count = int((wanted < curve.u[0]).sum())
+            if count:
+                rows.append({"gear": member, "method": curve.method, "support": curve.support, "count": count})
+    return rows
 
 
 def castigliano_over_fe(results: Results) -> Array | None:

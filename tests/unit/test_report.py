@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import html
 import json
 import math
 import re
@@ -14,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gearfem.compliance import load_positions
 from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
 from gearfem.engagement.contacts import find_contacts
@@ -286,12 +288,47 @@ def test_pictures_and_self_contained_report(results, tmp_path):
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures.values())
     rows = [("largest dynamic factor", 1.4, 1.36, "", "the inertias are assumed")]
     page = write_report(results, tmp_path, published=rows).read_text(encoding="utf-8")
-    assert len(pictures) == 9
+    assert len(pictures) == 10
+    assert pictures["elastic_motion"].read_bytes() != pictures["rigid_motion"].read_bytes()
     assert page.count("data:image/png;base64,") == len(pictures)
     assert not re.search(r"""(?:src|href)\s*=\s*["']?\s*(?:https?:|//)|@import|url\(""", page)
     assert "Friction &lt;none&gt; &amp; more." in page
     assert "the inertias are assumed" in page
     assert summarise(results)["model_sha256"] in page
+
+
+def test_the_words_of_the_report_say_what_the_numbers_are(results, tmp_path):
+    page = html.unescape(write_report(results, tmp_path).read_text(encoding="utf-8"))
+    for words in (
+        "slope dF/dδ), that of a single pair at most",
+        "(secant F/δ)",
+        "report 0.9 to 1.1 for their gears",
+        "no bound for these",
+        "Kw = 1 - J₁ψ₁''/T₁",
+        "ratio of the forces Σ P l₂/Σ P l₁",
+        "the moment of the teeth on the pinion, friction included",
+        "friction's, which reverses where a pair passes the pitch point",
+    ):
+        assert words in page
+    assert "within 10 %" not in page
+    smooth = dataclasses.replace(
+        results, setup=dataclasses.replace(results.setup, operation=dataclasses.replace(results.setup.operation, friction_coefficient=0.0))
+    )
+    assert "reverses where" not in write_report(smooth, tmp_path).read_text(encoding="utf-8")
+
+
+def test_rows_left_out_are_counted(results, tmp_path):
+    assert summarise(results)["compliance_rows_left_out"] == []
+    owner, curve = results.comparison[1]
+    shape = {name: getattr(curve, name)[5:] for name in ("u", "radius", "deflection", "depth")}
+    cut = dataclasses.replace(results, comparison=((owner, dataclasses.replace(curve, **shape)),))
+    wanted = load_positions(results.flanks.pinion)
+    rows = [{"gear": "pinion", "method": "castigliano", "support": "root", "count": int((wanted < 2.25).sum())}]
+    assert rows[0]["count"] > 1
+    assert summarise(cut)["compliance_rows_left_out"] == rows
+    page = write_report(cut, tmp_path).read_text(encoding="utf-8")
+    assert f"{rows[0]['count']} of the pinion (castigliano, root)" in page
+    assert "compliance_rows_left_out" not in summarise(Results(setup=results.setup, flanks=results.flanks))
 
 
 def test_report_without_comparison_has_no_such_section(results, tmp_path):
