@@ -83,7 +83,10 @@ def run(model: str, out: str, overrides: tuple[str, ...]) -> None:
 @_support
 @click.option("--mesh", "mesh_file", default=None, metavar="FILE", help="Take the mesh of one gear from this file; see below.")
 @click.option("--gear", type=GEARS, default=None, help="With --mesh: the gear that it is a mesh of.")
-def compliance(model: str, out: str, overrides: tuple[str, ...], support: str, mesh_file: str | None, gear: str | None) -> None:
+@click.option("--solid", is_flag=True, help="Three-dimensional elements at full resolution, the whole gear too (minutes).")
+def compliance(
+    model: str, out: str, overrides: tuple[str, ...], support: str, mesh_file: str | None, gear: str | None, solid: bool
+) -> None:
     """Write compliance.csv, the deflection of one tooth of each gear over the radius of the load, and body.csv.
 
     body.csv takes the deflection apart: tooth, body, wind-up about the bore, and what the next teeth feel.
@@ -94,7 +97,8 @@ def compliance(model: str, out: str, overrides: tuple[str, ...], support: str, m
 
     \b
     Units: um per N/mm of line load, radius in mm.
-    Methods: finite elements in plane strain and plane stress; Castigliano's trapezoid, always held at its root.
+    Methods: finite elements in plane strain and plane stress; Castigliano's trapezoid, always held at its root; solid elements,
+    averaged over the face width under a uniform load: quick ones with --support root or root_chord, else with --solid.
     Example:
       gearfem compliance model.toml --out results --support root
       gearfem compliance model.toml --out results --mesh tooth.msh --gear pinion
@@ -104,6 +108,8 @@ def compliance(model: str, out: str, overrides: tuple[str, ...], support: str, m
     target = folder(out)
     if (mesh_file is None) != (gear is None):
         raise InputError("--mesh, --gear", "one without the other", "a mesh file together with the gear that it is a mesh of")
+    if solid and mesh_file is not None:
+        raise InputError("--solid", "together with --mesh", "one of them: a mesh from outside is plane")
     setup = _load(model, overrides)
     if mesh_file is not None:
         from gearfem.cli import meshes
@@ -111,7 +117,7 @@ def compliance(model: str, out: str, overrides: tuple[str, ...], support: str, m
         steps.say(meshes.compliance(setup, target, Path(mesh_file), "pinion" if gear == "pinion" else "wheel"))
         return
     with Bars() as progress:
-        done = steps.compliance(setup, target, support, progress)
+        done = steps.compliance(setup, target, support, solid, progress)
     steps.say(done)
 
 
@@ -213,7 +219,8 @@ def dynamics(
 def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None) -> None:
     """Draw the loaded, deformed tooth of each gear: tooth_*.png, and tooth_*.vtu for ParaView.
 
-    The tooth carries the whole torque at the end of one-pair contact.
+    The tooth carries the whole torque at the end of one-pair contact, or, where two pairs always carry, one base pitch above
+    its lowest contact.
 
     \b
     Units: mm, MPa; the displacement is enlarged as the picture says.

@@ -19,12 +19,15 @@ from gearfem.compliance import (
     PlaneStress,
     Root,
     RootChord,
+    SolidCurve,
+    SolidElements,
     body_compliance,
     load_positions,
     with_error,
 )
 from gearfem.compliance.body import BodyCompliance
 from gearfem.compliance.record import ComplianceCurve
+from gearfem.compliance.solid_curve import QUICK
 from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.engagement.engage import engage
 from gearfem.flank import Flanks, Outline, make_flanks
@@ -89,28 +92,44 @@ def everything(setup: Setup, out: Path, progress: Progress) -> Done:
     return Done(_numbers(results) + _left_out_lines(results) + notices, files)
 
 
-def compliance(setup: Setup, out: Path, support: str, progress: Progress) -> Done:
-    """Compute the compliance of both gears by three methods, with the finite elements held at the support."""
+def compliance(setup: Setup, out: Path, support: str, solid: bool, progress: Progress) -> Done:
+    """Compute the compliance of both gears by several methods, with the finite elements held at the support.
+
+    Parameters
+    ----------
+    setup : Setup
+        Definition of the pair.
+    out : Path
+        Folder.
+    support : str
+        What is held.
+    solid : bool
+        Whether solids are computed at their default resolution, the whole gear too; otherwise teeth alone at a quicker one.
+    progress : Progress
+        Told how far the work is.
+    """
     flanks = make_flanks(setup)
     held = SUPPORTS[support]()
-    methods = (FiniteElements(plane=PlaneStrain(), support=held), FiniteElements(plane=PlaneStress(), support=held), Castigliano())
+    methods: list[FiniteElements | Castigliano | SolidCurve] = [
+        FiniteElements(plane=PlaneStrain(), support=held),
+        FiniteElements(plane=PlaneStress(), support=held),
+        Castigliano(),
+    ]
+    whole = support == "bore"
+    if solid or not whole:
+        elements = SolidElements(support=held) if solid else SolidElements(support=held, resolution=QUICK)
+        methods.append(SolidCurve(method=elements, face_width=setup.pair.face_width))
     curves: list[tuple[Member, ComplianceCurve]] = []
     lines = []
-    for member in MEMBERS:
-        outline = _outline(flanks, member)
-        positions = load_positions(outline)
-        positions = positions[positions <= 3.0]
-        for method in methods:
-            progress("compliance", len(curves), 2 * len(methods))
-            curve = with_error(method, outline, method.curve(outline, positions))
-            curves.append((member, curve))
-            low, high = curve.deflection.min() / UM_PER_N_PER_MM, curve.deflection.max() / UM_PER_N_PER_MM
-            left = positions.size - curve.u.size
-            note = f"; {left} positions left out, whose load line crosses the centreline below the support" if left else ""
-            assert curve.error is not None
-            error = f" (error of the numbers at most {100.0 * curve.error.max():.1g} %)"
-            lines.append(f"{member}, {curve.method}, {curve.support}: {low:.5f} to {high:.5f} um per N/mm{error}{note}")
-    progress("compliance", 2 * len(methods), 2 * len(methods))
+    jobs = [(member, method) for member in MEMBERS for method in methods]
+    for number, (member, method) in enumerate(jobs):
+        progress("compliance", number, len(jobs))
+        curve, line = _curve(_outline(flanks, member), method)
+        curves.append((member, curve))
+        lines.append(f"{member}, {line}")
+    progress("compliance", len(jobs), len(jobs))
+    if whole and not solid:
+        lines.append("fe_3d is left out: the whole gears as solids take minutes, --solid asks for them")
     results = Results(setup=setup, flanks=flanks, comparison=tuple(curves), assumptions=setup.assumptions)
     parts = _bodies(flanks)
     return Done(
@@ -161,10 +180,25 @@ def render(setup: Setup, out: Path, members: Sequence[str], progress: Progress) 
         files += [rendering.path, rendering.path.with_suffix(".vtu")]
         lines += [f"{member}: {rendering.title}", *([rendering.notice] if rendering.notice else [])]
     progress("rendering", len(members), len(members))
+    if setup.pair.contact_ratio >= 2.0:
+        lines.append("the whole load is on one tooth in these pictures, although no pair of these gears ever carries it alone")
     return Done(list(dict.fromkeys(lines)), files)
 
 
 # ---- parts ------------------------------------------------------------------------------------------
+
+
+def _curve(outline: Outline, method: FiniteElements | Castigliano | SolidCurve) -> tuple[ComplianceCurve, str]:
+    """Return a compliance curve on the flank with its error, and what to say of it."""
+    positions = method.positions() if isinstance(method, SolidCurve) else load_positions(outline)
+    positions = positions[positions <= 3.0]
+    curve = with_error(method, outline, method.curve(outline, positions))
+    low, high = curve.deflection.min() / UM_PER_N_PER_MM, curve.deflection.max() / UM_PER_N_PER_MM
+    left = positions.size - curve.u.size
+    note = f"; {left} positions left out, whose load line crosses the centreline below the support" if left else ""
+    assert curve.error is not None
+    error = f" (error of the numbers at most {100.0 * curve.error.max():.1g} %)"
+    return curve, f"{curve.method}, {curve.support}: {low:.5f} to {high:.5f} um per N/mm{error}{note}"
 
 
 def _outline(flanks: Flanks, member: Member) -> Outline:

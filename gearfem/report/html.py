@@ -43,7 +43,7 @@ WHY_NOT_PAPER = (
 )
 KW_FORM = (
     "The dynamic factor is Kw = 1 - J₁ψ₁''/T₁ (Wojnarowski & Onishchenko 2003, eq. 29, derived again from eq. 22): above 1 where the teeth "
-    " carry more than T₁. With a plus it would measure their unloading."
+    "carry more than T₁. With a plus it would measure their unloading."
 )
 ISO_SINGLE = Markup("ISO 6336-1, method B: <i>c</i>&prime;")
 ISO_MESH = Markup("ISO 6336-1, method B: <i>c</i><sub>&gamma;&alpha;</sub>")
@@ -142,7 +142,7 @@ def write_report(
         answer=_answer(results, values),
         rows=_rows(values),
         remarks=_remarks(results, values),
-        pictures=_pictures(values | _friction(results), drawn, rendering),
+        pictures=_pictures(values | _for_captions(results), drawn, rendering),
         published=[(*row, (row[1] / row[2] - 1.0) * 100.0) for row in published],
         files=[(name, meaning) for name, meaning in FILES.items() if (Path(out) / name).exists()],
         stages={"compliance": results.compliance, "engagement": results.engagement, "dynamics": results.elastic},
@@ -177,8 +177,20 @@ def _remarks(results: Results, values: Mapping[str, Any]) -> list[str]:
     return beam + ([KW_FORM] if results.elastic is not None else [])
 
 
-def _friction(results: Results) -> dict[str, Any]:
-    return {"friction_coefficient": results.setup.operation.friction_coefficient}
+def _for_captions(results: Results) -> dict[str, Any]:
+    """Return numbers of the captions that are no results of their own."""
+    share = {} if results.engagement is None else {"largest_load_share": float(results.engagement.load_share.max())}
+    return {"friction_coefficient": results.setup.operation.friction_coefficient, **share}
+
+
+def _load(values: Mapping[str, Any]) -> str:
+    share = values.get("largest_load_share", 1.0)
+    if values["contact_ratio"] < 2.0 and share > 1.0 - 1e-9:
+        return "the whole normal force, at the outer end of one-pair contact"
+    return (
+        "the whole normal force on one tooth, one base pitch above its lowest contact, although a pair of these gears never carries "
+        f"more than {100.0 * share:.0f} % of it"
+    )
 
 
 def _rows(values: Mapping[str, Any]) -> list[Row]:
@@ -201,7 +213,7 @@ def _pictures(values: Mapping[str, Any], drawn: Mapping[str, Path], rendering: R
         Picture(title, caption(values), _inline(drawn[name]), name in WIDE) for name, (title, caption) in CAPTIONS.items() if name in drawn
     ]
     if rendering is not None:
-        text = f"{rendering.title}. The line is the undeformed outline; the arrow is the load."
+        text = f"{rendering.title}. The line is the undeformed outline; the arrow is the load: {_load(values)}."
         found.insert(1, Picture("Deformed tooth", text, _inline(rendering.path), False))
     return found
 

@@ -28,6 +28,10 @@ NO_OPENGL = (
 )
 _PROBE = "import pyvista; p = pyvista.Plotter(off_screen=True, window_size=(32, 32)); p.add_mesh(pyvista.Sphere()); p.screenshot()"
 WINDOW = (1400, 1250)
+# Under a line load displacement and stress grow as the mesh is refined: what a picture states is taken from so many modules away.
+AWAY = 0.4
+# Part of the reach, from the middle of the picture up, that title and note leave free.
+HIGHEST = 0.68
 
 
 class Rendering(NamedTuple):
@@ -167,14 +171,16 @@ def write_vtu(field: Field, path: Path) -> Path:
 
 def _compose(field: Field, outline: Outline, scale: float | None, body: bool = False) -> _Scene:
     module = outline.gear.module
-    largest = float(np.hypot(*field.displacement.T).max())
+    far = np.hypot(*(field.nodes - field.load_point).T) > AWAY * module
+    largest = float(np.hypot(*field.displacement[far].T).max())
     scale = drawn_scale(scale, 4.0 * module if body else module, largest)
-    # The stress under a line load has no limit: the colours end at the largest one elsewhere.
-    far = np.hypot(*(field.nodes - field.load_point).T) > 0.4 * module
     polar = np.arctan2(field.nodes[:, 1], field.nodes[:, 0])
     neighbours = max((round(float(np.ptp(polar)) / outline.gear.pitch_angle) - 1) // 2, 0)
     middle = np.array([0.5 * (outline.gear.root_radius + outline.gear.tip_radius) - 0.15 * module, 0.0])
-    reach, bar = 2.1 * module, (0.77, 0.62)
+    arrow, bar = 0.95 * module, (0.77, 0.62)
+    highest = max(outline.gear.tip_radius, float(field.load_point[0] - arrow * field.load_direction[0]))
+    # Nothing that is drawn may reach the title and the note, which take a sixth of the height.
+    reach = max(2.1 * module, (highest - middle[0]) / HIGHEST)
     if body:
         low, high = field.nodes.min(axis=0), field.nodes.max(axis=0)
         reach = 0.5 * max((high[0] - low[0]) / 0.82, (high[1] - low[1]) / 0.95 * WINDOW[1] / WINDOW[0])
@@ -190,7 +196,7 @@ def _compose(field: Field, outline: Outline, scale: float | None, body: bool = F
         load_direction=_upright(field.load_direction),
         centre=_upright(middle) / MM,
         reach=reach / MM,
-        arrow=0.95 * module / MM,
+        arrow=arrow / MM,
         bar=bar,
         title=describe(field.force_per_width, largest, scale),
     )
@@ -206,9 +212,9 @@ def drawn_scale(scale: float | None, module: float, largest: float) -> float:
 
 
 def describe(force_per_width: float, largest: float, scale: float) -> str:
-    """Return the title of a picture: load, true displacement and the scale at which it is drawn."""
+    """Return the title of a picture: load, true displacement away from it and the scale at which it is drawn."""
     drawn = "at its true scale" if scale == 1.0 else f"{scale:g} times larger"
-    return f"Line load {force_per_width / N_PER_MM:.4g} N/mm; largest displacement {largest / UM:.4g} µm, drawn {drawn}"
+    return f"Line load {force_per_width / N_PER_MM:.4g} N/mm; largest displacement away from the load {largest / UM:.4g} µm, drawn {drawn}"
 
 
 def _round_down(value: float) -> float:
@@ -222,7 +228,10 @@ def _upright(vectors: Array) -> Array:
 
 
 BAR = "von Mises stress, MPa"
-LIMIT = "Colours end at the largest stress away from the load, under which it has no limit."
+LIMIT = (
+    f"Away from the load: by more than {AWAY:g} modules. Under a line load\n"
+    "displacement and stress have no limit. Colours end at the largest away."
+)
 
 
 def _draw_pyvista(scene: _Scene, path: Path) -> None:
@@ -261,7 +270,7 @@ def _draw_pyvista(scene: _Scene, path: Path) -> None:
     plotter.add_mesh(arrow, color="#D55E00", lighting=False)
     title = scene.title.replace("; ", "\n").replace("largest", "Largest")
     plotter.add_text(title, position=(40, WINDOW[1] - 100), font_size=17, color="black")
-    plotter.add_text(LIMIT, position=(40, WINDOW[1] - 145), font_size=12, color="#555555")
+    plotter.add_text(LIMIT, position=(40, WINDOW[1] - 175), font_size=12, color="#555555")
     middle = _lift(scene.centre, 0.0)
     plotter.camera_position = [_lift(scene.centre, 10.0 * scene.reach), middle, (0.0, 1.0, 0.0)]
     plotter.enable_parallel_projection()

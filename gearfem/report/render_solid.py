@@ -16,6 +16,7 @@ from gearfem.foundation.files import whole
 from gearfem.foundation.units import MM, MPA
 from gearfem.report.outlines import teeth_around
 from gearfem.report.render import (
+    AWAY,
     BAR,
     LIMIT,
     PACKAGES,
@@ -121,9 +122,9 @@ def surface(hexes: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def _compose(field: SolidField, outline: Outline, scale: float | None) -> _Scene:
     module, places = outline.gear.module, field.mesh.nodes
-    largest = float(np.linalg.norm(field.displacement, axis=1).max())
+    far = np.hypot(*(places[:, :2] - field.load_line[0, :2]).T) > AWAY * module
+    largest = float(np.linalg.norm(field.displacement[far], axis=1).max())
     scale = drawn_scale(scale, module, largest)
-    far = np.hypot(*(places[:, :2] - field.load_line[0, :2]).T) > 0.4 * module
     start, stop = places[:, 2].min(), places[:, 2].max()
     profile = teeth_around(outline, 0)
     # A hair outside each end, or the surface would cover the line.
@@ -175,7 +176,7 @@ def _plotter(scene: _Scene, window: tuple[int, int]) -> Any:
         plotter.add_mesh(arrow, color="#D55E00", lighting=False)
     title = scene.title.replace("; ", "\n").replace("largest", "Largest").replace("face", "Face")
     plotter.add_text(title, position=(40 * size, window[1] - 140 * size), font_size=int(16 * size), color="black")
-    plotter.add_text(LIMIT, position=(40 * size, window[1] - 180 * size), font_size=max(6, int(11 * size)), color="#555555")
+    plotter.add_text(LIMIT, position=(40 * size, window[1] - 210 * size), font_size=max(6, int(11 * size)), color="#555555")
     _look(plotter, scene)
     return plotter
 

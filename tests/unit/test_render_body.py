@@ -27,7 +27,9 @@ def test_body_picture_shows_bore_and_all_sectors(coal_combine, tmp_path):
 def test_titles_state_the_scale():
     # By hand: 16 um at 5 % of 8 mm would be 25, the next smaller of 1, 2, 5 x 10^k is 20.
     assert render.drawn_scale(None, 8e-3, 16e-6) == 20.0
-    assert render.describe(350e3, 16e-6, 20.0) == "Line load 350 N/mm; largest displacement 16 µm, drawn 20 times larger"
-    assert render.describe(350e3, 16e-6, 1.0) == "Line load 350 N/mm; largest displacement 16 µm, drawn at its true scale"
+    assert render.describe(350e3, 16e-6, 20.0) == "Line load 350 N/mm; largest displacement away from the load 16 µm, drawn 20 times larger"
+    assert (
+        render.describe(350e3, 16e-6, 1.0) == "Line load 350 N/mm; largest displacement away from the load 16 µm, drawn at its true scale"
+    )
     with pytest.raises(InputError, match="scale"):
         render.drawn_scale(-1.0, 8e-3, 16e-6)

@@ -24,6 +24,7 @@ from gearfem.flank import make_flanks
 from gearfem.pipeline import Results
 from gearfem.placement import make_placement
 from gearfem.report import (
+    Rendering,
     summarise,
     write_compliance,
     write_dynamics,
@@ -315,6 +316,23 @@ def test_the_words_of_the_report_say_what_the_numbers_are(results, tmp_path):
         results, setup=dataclasses.replace(results.setup, operation=dataclasses.replace(results.setup.operation, friction_coefficient=0.0))
     )
     assert "reverses where" not in write_report(smooth, tmp_path).read_text(encoding="utf-8")
+
+
+def test_the_picture_of_the_tooth_says_which_load_it_bears(results, tmp_path):
+    picture = write_pictures(Results(setup=results.setup, flanks=results.flanks), tmp_path)["pair"]
+    rendering = Rendering(picture, "Line load 350 N/mm", "matplotlib", "")
+
+    def page(changed):
+        return write_report(changed, tmp_path, rendering=rendering).read_text(encoding="utf-8")
+
+    assert "the whole normal force, at the outer end of one-pair contact" in page(results)
+    # As of gears of which two pairs always carry: half the force on each.
+    force = np.array(results.engagement.force)
+    force[:, :2] = force[:, 2:4] = force.sum(axis=1, keepdims=True) / 4.0
+    force[:, 4] = 0.0
+    assert "never carries more than 25 % of it" in page(
+        dataclasses.replace(results, engagement=dataclasses.replace(results.engagement, force=force))
+    )
 
 
 def test_rows_left_out_are_counted(results, tmp_path):
