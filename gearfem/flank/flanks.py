@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 import math
 
+import numpy as np
+
 from gearfem.definition.setup import Gear, GearPair, Member, Setup
-from gearfem.flank.outline import Outline
+from gearfem.flank.outline import FLANK, Outline
 from gearfem.foundation import InputError, Record
 from gearfem.foundation.units import MM
 
@@ -40,17 +42,19 @@ def make_flanks(setup: Setup) -> Flanks:
     Raises
     ------
     InputError
-        If an outline is impossible, or a tip reaches below the form circle of its mate.
+        If an outline is impossible, a tip cuts into the fillet of its mate, or undercut leaves a contact ratio below 1.
 
     Notes
     -----
-    The tip of the mate reaches down to the roll length a sin(alpha_w) - s_tip on a flank (ISO 21771); below
-    the flank's start there is fillet, which is not conjugate.
+    The tip of the mate reaches down to the roll length a sin(alpha_w) - s_tip on a flank (ISO 21771). Where that
+    lies below the form circle, the tip round is followed through the space: it may pass an undercut fillet freely,
+    and the path of contact then begins at the form circle.
     """
     pair = setup.pair
     flanks = Flanks(pinion=_outline("pinion", pair.pinion), wheel=_outline("wheel", pair.wheel))
     _refuse_interference("pinion", flanks.pinion, flanks.wheel, pair)
     _refuse_interference("wheel", flanks.wheel, flanks.pinion, pair)
+    _refuse_short_path(flanks, pair)
     return flanks
 
 
@@ -62,14 +66,57 @@ def _outline(member: Member, gear: Gear) -> Outline:
         raise InputError(where, error.found, error.allowed) from None
 
 
+def path_of_contact(flanks: Flanks, pair: GearPair) -> tuple[float, float]:
+    """Return the lengths of approach and recess on the line of action [m], cut off where undercut took the flank away.
+
+    Parameters
+    ----------
+    flanks : Flanks
+        Outlines of both gears.
+    pair : GearPair
+        The gears as mounted.
+
+    Returns
+    -------
+    (float, float)
+        From the pitch point, both positive; their sum over the base pitch is the contact ratio.
+    """
+    slope = math.tan(pair.working_pressure_angle)
+    lowest1 = pair.pinion.base_radius * slope - flanks.pinion.flank_start
+    lowest2 = pair.wheel.base_radius * slope - flanks.wheel.flank_start
+    return min(pair.approach_length, lowest1), min(pair.recess_length, lowest2)
+
+
+def _refuse_short_path(flanks: Flanks, pair: GearPair) -> None:
+    ratio = sum(path_of_contact(flanks, pair)) / pair.base_pitch
+    if ratio < 1.0:
+        member = "pinion" if flanks.pinion.undercut else "wheel"
+        gear = flanks.pinion.gear if member == "pinion" else flanks.wheel.gear
+        found = f"{gear.profile_shift:g}, with which undercut shortens the path to a contact ratio of {ratio:.4f}"
+        raise InputError(f"{member}.profile_shift", found, "a contact ratio of at least 1: raise this shift")
+
+
 def _refuse_interference(member: Member, outline: Outline, mate: Outline, pair: GearPair) -> None:
-    lowest = pair.centre_distance * math.sin(pair.working_pressure_angle) - mate.flank_end
-    # A reach of a hundred-thousandth of the module into the fillet is below any tolerance of manufacture.
-    if lowest < outline.flank_start - 1e-5 * outline.gear.module:
-        contact = math.hypot(outline.gear.base_radius, lowest) if lowest > 0.0 else outline.gear.base_radius
+    """Refuse a pair if the mate's tip round, on its way through the space, reaches into the fillet."""
+    gear, other = outline.gear, mate.gear
+    share = pair.centre_distance / (gear.teeth + other.teeth)
+    turned = np.linspace(-1.5, 1.5, 601) * gear.pitch_angle
+    lead, radius = mate.round_centre
+    polar = lead - turned * gear.teeth / other.teeth - other.half_angle(share * other.teeth)
+    centre = np.stack([pair.centre_distance - radius * np.cos(polar), -radius * np.sin(polar)], axis=-1)
+    axis = turned - gear.half_angle(share * gear.teeth)
+    x = centre[:, 0] * np.cos(axis) + centre[:, 1] * np.sin(axis)
+    y = centre[:, 1] * np.cos(axis) - centre[:, 0] * np.sin(axis)
+    fillet = outline.point(np.linspace(0.0, FLANK, 801))
+    nearest = np.hypot(x[:, None] - fillet[:, 0], y[:, None] - fillet[:, 1]).min()
+    depth = other.tip_edge_radius - float(nearest)
+    # Points of fillet and path stand some hundredths of the module apart; what they miss is below this.
+    if depth > 2e-4 * gear.module:
+        lowest = pair.centre_distance * math.sin(pair.working_pressure_angle) - mate.flank_end
+        contact = math.hypot(gear.base_radius, lowest) if lowest > 0.0 else gear.base_radius
         raise InputError(
             f"{member}.profile_shift",
-            f"{outline.gear.profile_shift:g}, with which the mate's tip touches the fillet of the {member} (radius {contact / MM:.4f} mm, "
-            f"form circle {outline.form_radius / MM:.4f} mm)",
+            f"{gear.profile_shift:g}, with which the mate's tip cuts {depth / MM:.4f} mm into the fillet of the {member} "
+            f"(lowest contact at {contact / MM:.4f} mm, form circle {outline.form_radius / MM:.4f} mm)",
             "a pair without interference: raise this shift, or lower the tip radius of the mate",
         )

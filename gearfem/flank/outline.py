@@ -138,6 +138,13 @@ class Outline(Record):
         """Whether the fillet cuts into the involute."""
         return self._fillet_end[0] < math.pi / 2.0 - self.gear.pressure_angle
 
+    @property
+    def undercut_turn(self) -> float:
+        """Angle [rad] by which the outline turns at the edge between fillet and involute; 0 without undercut."""
+        last, roll = self._fillet_end
+        rolled = float(self._trochoid(np.array(last))[1])
+        return max(math.pi / self.gear.teeth + rolled + last - float(self.normal_direction(roll)), 0.0)
+
     # ---- flank and tip round --------------------------------------------------------------------
 
     @property

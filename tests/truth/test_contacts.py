@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from gearfem.definition.setup import Setup
 from gearfem.engagement.contacts import find_contacts
 from gearfem.engagement.record import Contacts
-from gearfem.flank import Flanks, make_flanks
+from gearfem.flank import Flanks, make_flanks, path_of_contact
 from gearfem.foundation import Array
 from gearfem.placement import Placement, make_placement
 
@@ -156,3 +157,40 @@ def test_next_pair_repeats_one_pitch_later(setup, stage) -> None:
     now, later = find_contacts(*stage, angle, (0,)), find_contacts(*stage, angle + pitch, (1,))
     assert later.gap == pytest.approx(now.gap, abs=1e-15)
     assert later.u1 == pytest.approx(now.u1, abs=1e-12)
+
+
+UNDERCUT = [(14, 14), (12, 12), (10, 40)]
+
+
+@pytest.mark.parametrize(("teeth1", "teeth2"), UNDERCUT)
+def test_undercut_cuts_the_path_and_nothing_penetrates(gear_factory, coal_combine, teeth1, teeth2) -> None:
+    """The path begins at the form circle; before it the tip touches the flank again, or the edge of the undercut touches."""
+    module = 3e-3
+    pinion, wheel = (gear_factory(teeth, module, (teeth / 2.0 + 1.0) * module) for teeth in (teeth1, teeth2))
+    pair = dataclasses.replace(
+        coal_combine.pair, pinion=pinion, wheel=wheel, centre_distance=(teeth1 + teeth2) / 2.0 * module, normal_backlash=0.0
+    )
+    setup = dataclasses.replace(coal_combine, pair=pair)
+    flanks, placement = make_flanks(setup), make_placement(setup)
+    approach, recess = path_of_contact(flanks, pair)
+    assert flanks.pinion.undercut
+    assert approach < pair.approach_length
+    contacts = find_contacts(flanks, placement, np.linspace(-0.9, 0.9, 721) * pinion.pitch_angle, (0,))
+    length = pinion.base_radius * contacts.pinion_angle[on_path(contacts)[:, 0]]
+    step = pinion.base_radius * np.diff(contacts.pinion_angle[:2])[0]
+    assert -approach - step < length.min() < -approach + 2.0 * step
+    assert recess - 2.0 * step < length.max() < recess + step
+    axis1, axis2 = axes_of_teeth(setup, placement, contacts)
+    dense = np.linspace(1.6, 4.0, 12001)
+    pinion_side, wheel_side = flanks.pinion.point(dense), flanks.wheel.point(dense)
+    limits = np.hypot(*pinion_side.T)
+    assert (np.diff(limits) > 0.0).all()
+    for row in np.flatnonzero(contacts.reach[:, 0] & (contacts.gap[:, 0] < 0.02 * module))[::7]:
+        seen = turned(wheel_side, axis2[row, 0])
+        seen = turned(np.stack([pair.centre_distance - seen[:, 0], -seen[:, 1]], axis=-1), -axis1[row, 0])
+        radius, polar = np.hypot(*seen.T), np.arctan2(seen[:, 1], seen[:, 0])
+        inside = (radius > limits[0]) & (radius < limits[-1])
+        boundary = np.interp(radius[inside], limits, np.arctan2(pinion_side[:, 1], pinion_side[:, 0]))
+        clearance = ((polar[inside] - boundary) * radius[inside]).min()
+        # Points on both outlines stand 2e-4 modules apart; at edges that costs a part of their distance.
+        assert -1e-4 * module < clearance < 2e-4 * module
