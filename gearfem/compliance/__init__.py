@@ -8,6 +8,7 @@ from gearfem.compliance.finite_elements import FiniteElements
 from gearfem.compliance.paper_mesh import LayerAndSides, PaperMesh, TwoLayers
 from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
 from gearfem.compliance.solid import SolidElements
+from gearfem.compliance.solid_curve import SolidCurve
 from gearfem.compliance.solid_field import SolidField
 from gearfem.compliance.solid_mesh import SolidMesh
 from gearfem.compliance.stage import load_positions, make_compliance, with_error
@@ -31,6 +32,7 @@ __all__ = [
     "Root",
     "RootChord",
     "RootEnd",
+    "SolidCurve",
     "SolidElements",
     "SolidField",
     "SolidMesh",

@@ -153,11 +153,7 @@ class FiniteElements(Record):
         if self.resolution < COARSER:
             raise InputError("resolution", self.resolution, f"at least {COARSER:g} for an estimate of the error from a coarser mesh")
         coarse = dataclasses.replace(self, resolution=self.resolution / COARSER)
-        fine = self.curve(outline, u).deflection
-        change = np.abs(coarse.curve(outline, u).deflection - fine) / fine
-        padded = np.pad(change, 1, mode="edge")
-        largest: Array = np.maximum.reduce([padded[:-2], padded[1:-1], padded[2:]])
-        return largest / (COARSER**2 - 1.0)
+        return changed(self.curve(outline, u).deflection, coarse.curve(outline, u).deflection)
 
     def field(self, outline: Outline, u: float, force_per_width: float, neighbours: int = 1) -> Field:
         """Return displacement and stress of the loaded tooth and of sectors on each side.
@@ -242,6 +238,13 @@ class _Loaded(NamedTuple):
     load: Array
     reading: Array
     structure: Structure
+
+
+def changed(fine: Array, coarse: Array) -> Array:
+    """Return the relative error of a curve from one on a mesh coarser by `COARSER`, as `FiniteElements.error` explains."""
+    padded = np.pad(np.abs(coarse - fine) / fine, 1, mode="edge")
+    largest: Array = np.maximum.reduce([padded[:-2], padded[1:-1], padded[2:]])
+    return largest / (COARSER**2 - 1.0)
 
 
 # ---- remembered: equal content costs one solve per process ------------------------------------------

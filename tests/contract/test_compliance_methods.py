@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from gearfem.compliance import (
     Bore,
@@ -18,14 +19,30 @@ from gearfem.compliance import (
     Root,
     RootChord,
     RootEnd,
+    SolidCurve,
+    SolidElements,
 )
+from gearfem.compliance.record import ComplianceCurve
 from gearfem.flank import Outline
-from gearfem.foundation import InputError, digest
+from gearfem.foundation import InputError, Record, digest
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class SolidTooth(Record):
+    """Solid elements on a face width in modules, so that a larger gear is wider too."""
+
+    method: SolidElements = dataclasses.field(default_factory=lambda: SolidElements(support=Root(), resolution=0.5, layers=4))
+    modules: float = 5.0
+
+    def curve(self, outline: Outline, u: ArrayLike) -> ComplianceCurve:
+        return SolidCurve(method=self.method, face_width=self.modules * outline.gear.module).curve(outline, u)
+
 
 PLANES, HELD = (PlaneStrain(), PlaneStress()), (Bore(), Root(), RootChord())
 METHODS = [FiniteElements(plane=plane, support=support) for plane in PLANES for support in HELD]
+METHODS += [SolidTooth()]
 METHODS += [Castigliano(base=base) for base in (FilletMiddle(), RootEnd(), FormCircle())]
-NAMES = {"fe_plane_strain", "fe_plane_stress", "castigliano"}
+NAMES = {"fe_plane_strain", "fe_plane_stress", "fe_3d", "castigliano"}
 SUPPORTS = {"bore", "root", "root_chord"}
 U = np.linspace(2.1, 3.0, 7)
 

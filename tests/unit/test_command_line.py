@@ -223,9 +223,44 @@ def test_kinematics_writes_its_table(tmp_path):
 def test_compliance_holds_what_it_is_told(tmp_path, support):
     result = call("compliance", MODEL, "--out", tmp_path, "--support", support)
     assert result.exit_code == 0, result.output
-    found = {(row["gear"], row["method"], row["support"]) for row in rows(tmp_path / "compliance.csv")}
-    wanted = {(gear, method, support) for gear in ("pinion", "wheel") for method in ("fe_plane_strain", "fe_plane_stress")}
+    table = rows(tmp_path / "compliance.csv")
+    found = {(row["gear"], row["method"], row["support"]) for row in table}
+    methods = ["fe_plane_strain", "fe_plane_stress"] + ([] if support == "bore" else ["fe_3d"])
+    wanted = {(gear, method, support) for gear in ("pinion", "wheel") for method in methods}
     assert found == wanted | {("pinion", "castigliano", "root"), ("wheel", "castigliano", "root")}
+    assert ("--solid" in result.stdout) == (support == "bore")
+    assert all(float(row["error_estimate"]) > 0.0 for row in table)
+    # Coarse and quick, but a mesh that is worth reading: no method's arithmetic costs a hundredth.
+    assert max(float(row["error_estimate"]) for row in table) < 0.01
+
+
+def test_solid_teeth_lie_between_the_plane_states(tmp_path):
+    assert call("compliance", MODEL, "--out", tmp_path, "--support", "root").exit_code == 0
+    for gear in ("pinion", "wheel"):
+        curves = {}
+        for method in ("fe_plane_strain", "fe_plane_stress", "fe_3d"):
+            own = [row for row in rows(tmp_path / "compliance.csv") if (row["gear"], row["method"]) == (gear, method)]
+            curves[method] = np.array([[float(row[key]) for key in ("radius_mm", "deflection_um_per_N_per_mm")] for row in own]).T
+        radius, solid = curves["fe_3d"]
+        strain, stress = (np.interp(radius, *curves[method]) for method in ("fe_plane_strain", "fe_plane_stress"))
+        assert 8 <= len(radius) <= 10
+        # The width of nine modules: nearer to plane strain, over the upper half of the flank, where shear near the clamp fades.
+        upper = slice(len(radius) // 2, None)
+        assert (strain < solid)[upper].all()
+        assert (solid < stress)[upper].all()
+
+
+def test_solids_and_meshes_from_outside_exclude_each_other(tmp_path):
+    mesh = MESHES / "coal_combine_pinion_2d.vtu"
+    refused(call("compliance", MODEL, "--out", tmp_path, "--solid", "--mesh", mesh, "--gear", "pinion"), "--solid", "--mesh")
+
+
+@pytest.mark.slow
+def test_whole_gears_as_solids_are_computed_when_asked_for(tmp_path):
+    result = call("compliance", MODEL, "--out", tmp_path, "--solid", "--set", "pinion.bore_radius_mm=45")
+    assert result.exit_code == 0, result.output
+    table = [row for row in rows(tmp_path / "compliance.csv") if row["method"] == "fe_3d"]
+    assert {(row["gear"], row["support"]) for row in table} == {("pinion", "bore"), ("wheel", "bore")}
 
 
 def test_meshes_reach_from_bore_to_tip_in_millimetres(tmp_path):
