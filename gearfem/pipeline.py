@@ -29,7 +29,7 @@ from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
-from gearfem.flank import Flanks, make_flanks
+from gearfem.flank import Flanks, make_flanks, path_of_contact
 from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.placement import make_placement
@@ -133,7 +133,8 @@ def run(
         raise ValueError(f"until: found {until!r}; allowed: {', '.join(STAGES)}")
     last = STAGES.index(until)
     progress("flanks and compliance", 0, 2)
-    results = Results(setup=setup, flanks=make_flanks(setup), assumptions=setup.assumptions)
+    flanks = make_flanks(setup)
+    results = Results(setup=setup, flanks=flanks, assumptions=setup.assumptions + _undercut(flanks, setup))
     if last >= STAGES.index("compliance"):
         results = _with_compliance(results, comparison, progress)
     if last >= STAGES.index("engagement"):
@@ -178,6 +179,13 @@ def compare_methods(flanks: Flanks, face_width: float, progress: Progress = quie
         curves.append((member, with_error(method, outline, method.curve(outline, positions[positions <= 3.0]))))
     progress("compliance by other methods", len(jobs), len(jobs))
     return tuple(curves)
+
+
+def _undercut(flanks: Flanks, setup: Setup) -> tuple[str, ...]:
+    full, left = setup.pair.contact_ratio, sum(path_of_contact(flanks, setup.pair)) / setup.pair.base_pitch
+    if left > full - 1e-9:
+        return ()
+    return (f"Undercut shortens the path of contact: the contact ratio is {left:.4f}, not the {full:.4f} of the full tip circles.",)
 
 
 def _with_compliance(results: Results, comparison: bool, progress: Progress) -> Results:

@@ -14,8 +14,8 @@ from gearfem.flank import Flanks
 from gearfem.foundation import Array
 from gearfem.placement import Placement
 
-# Gap in modules that no load closes: steel teeth break long before they deflect by a tenth of it.
-REACH = 0.1
+# Gap in modules beyond which contacts are not followed; `engage` refuses loads that could close it.
+REACH = 0.2
 
 
 def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pairs: tuple[int, ...]) -> Contacts:

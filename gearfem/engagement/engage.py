@@ -9,12 +9,13 @@ import numpy as np
 
 from gearfem.compliance.record import Compliance
 from gearfem.contact import Line
-from gearfem.engagement.contacts import find_contacts
+from gearfem.engagement.contacts import REACH, find_contacts
 from gearfem.engagement.record import Contacts, Engagement, MeshForce
 from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
 from gearfem.engagement.teeth import read_compliance
 from gearfem.flank import Flanks
 from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.units import MM
 from gearfem.placement import Placement
 
 # A ten-thousandth of a pitch: the rounding of a difference over it stays below 1e-7 of the ratio.
@@ -86,7 +87,7 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     Raises
     ------
     InputError
-        If the torque is not positive.
+        If the torque is not positive, or moves the teeth by more than a twentieth of the module.
     SolveError
         If any angle does not converge.
 
@@ -97,12 +98,15 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     replaces a kink by its mean over that width. Physics: Wojnarowski & Onishchenko (2003), sections 2 and 3.
     """
     if not torque > 0.0:
-        raise InputError("pinion torque", f"{torque:g} N m", "a positive torque: without one nothing holds the flanks together")
+        raise InputError(
+            "operation.pinion_torque_Nm", f"{torque:g} N m", "a positive torque: without one nothing holds the flanks together"
+        )
     pair = mesh.placement.pair
     small = DIFFERENCE * pair.pinion.pitch_angle
     pairs = mesh.pairs(pinion_angle)
     shared = {shift: _share(mesh, pinion_angle + shift * small, pairs, torque) for shift in (-1, 0, 1)}
     contacts, sharing = shared[0]
+    _refuse_overload(mesh, torque, float(sharing.transmission_error.max()))
     change = (shared[1][1].transmission_error - shared[-1][1].transmission_error) / (2.0 * small)
     force = sharing.force * pair.face_width
     rows = np.arange(len(pinion_angle))
@@ -120,6 +124,16 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
         gear_ratio_unloaded=contacts.arm2[rows, first] / contacts.arm1[rows, first],
         gear_ratio_force=(force * contacts.arm2).sum(axis=1) / (force * contacts.arm1).sum(axis=1),
     )
+
+
+def _refuse_overload(mesh: Mesh, torque: float, error: float) -> None:
+    """Refuse a torque that bends the teeth so far that small displacements, and the contacts that are followed, end."""
+    limit = REACH / LARGEST_OVERLOAD * mesh.placement.pair.pinion.module
+    if error > limit:
+        found = f"{torque:g} N m, which moves the teeth by {error / MM:.4g} mm along the line of action"
+        raise InputError(
+            "operation.pinion_torque_Nm", found, f"a torque that moves them by at most {limit / MM:.4g} mm, a twentieth of the module"
+        )
 
 
 def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> tuple[Contacts, Sharing]:

@@ -14,7 +14,7 @@ from gearfem.definition.model_file import model_hash
 from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.engagement.iso6336 import IsoStiffness, iso6336_stiffness
 from gearfem.engagement.record import Engagement
-from gearfem.flank import Flanks, Outline
+from gearfem.flank import Flanks, Outline, path_of_contact
 from gearfem.flank.outline import FLANK, ROUND
 from gearfem.foundation import Array
 from gearfem.foundation.units import factor
@@ -89,7 +89,7 @@ def summarise(results: Results) -> dict[str, Any]:
     c' of ISO 6336-1 method B includes C_M, C_R and C_B.
     """
     iso = iso_stiffness(results.setup)
-    values = {**_geometry(results.setup.pair), **_iso(iso)}
+    values = {**_geometry(results.setup.pair, results.flanks), **_iso(iso)}
     if results.engagement is not None:
         values |= _engagement(results.setup, results.engagement)
     values |= _dynamics(results)
@@ -113,10 +113,10 @@ def _twelve_digits(value: Any) -> Any:
     return [_twelve_digits(item) for item in values] if values.ndim else float(f"{values.item():.12g}")
 
 
-def _geometry(pair: GearPair) -> dict[str, Any]:
+def _geometry(pair: GearPair, flanks: Flanks) -> dict[str, Any]:
     gears = (pair.pinion, pair.wheel)
     return {
-        "contact_ratio": pair.contact_ratio,
+        "contact_ratio": sum(path_of_contact(flanks, pair)) / pair.base_pitch,
         "working_pressure_angle_deg": pair.working_pressure_angle,
         "centre_distance_mm": pair.centre_distance,
         "face_width_mm": pair.face_width,
