@@ -7,6 +7,7 @@ import pytest
 
 from gearfem.definition.setup import Setup
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
+from gearfem.foundation import InputError
 from gearfem.pipeline import run
 
 
@@ -92,10 +93,18 @@ def test_small_torque_tends_to_the_unloaded_teeth(setup, mesh) -> None:
     assert engage(mesh, angle, 1e-3).gear_ratio == pytest.approx(setup.pair.ratio, rel=1e-6, abs=0.0)
 
 
-def test_error_grows_with_torque_at_every_angle(mesh) -> None:
+def test_error_grows_with_torque_at_every_angle(setup, mesh) -> None:
     angle = standard_angles(mesh.placement, 100)
-    errors = np.array([engage(mesh, angle, torque).transmission_error for torque in (1.0, 10.0, 100.0, 1000.0)])
+    torques = setup.operation.pinion_torque * np.array([0.01, 0.1, 1.0, 4.0])
+    errors = np.array([engage(mesh, angle, torque).transmission_error for torque in torques])
     assert (np.diff(errors, axis=0) > 0.0).all()
+
+
+@pytest.mark.parametrize("torque", [0.0, -5.0, 1e6])
+def test_loads_outside_the_theory_are_refused(mesh, torque) -> None:
+    """Without load nothing holds the flanks together; far above it small displacements end."""
+    with pytest.raises(InputError, match="operation.pinion_torque_Nm"):
+        engage(mesh, standard_angles(mesh.placement, 20), torque)
 
 
 def test_force_table_returns_the_operating_point(setup, mesh) -> None:
