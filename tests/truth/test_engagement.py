@@ -103,7 +103,7 @@ def test_error_grows_with_torque_at_every_angle(setup, mesh) -> None:
 @pytest.mark.parametrize("torque", [0.0, -5.0, 1e6])
 def test_loads_outside_the_theory_are_refused(mesh, torque) -> None:
     """Without load nothing holds the flanks together; far above it small displacements end."""
-    with pytest.raises(InputError, match="operation.pinion_torque_Nm"):
+    with pytest.raises(InputError, match=r"operation\.pinion_torque_Nm"):
         engage(mesh, standard_angles(mesh.placement, 20), torque)
 
 
