@@ -198,7 +198,8 @@ def _curve(outline: Outline, method: FiniteElements | Castigliano | SolidCurve) 
     note = f"; {left} positions left out, whose load line crosses the centreline below the support" if left else ""
     assert curve.error is not None
     error = f" (error of the numbers at most {100.0 * curve.error.max():.1g} %)"
-    return curve, f"{curve.method}, {curve.support}: {low:.5f} to {high:.5f} um per N/mm{error}{note}"
+    radii = f"radii {1e3 * curve.radius.min():.2f} to {1e3 * curve.radius.max():.2f} mm"
+    return curve, f"{curve.method}, {curve.support}, {radii}: {low:.5f} to {high:.5f} um per N/mm{error}{note}"
 
 
 def _outline(flanks: Flanks, member: Member) -> Outline:
