@@ -244,7 +244,10 @@ def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None) -
 @click.option("--gear", type=GEARS, default=None, help="One gear; by default both, of a single file the pinion.")
 @_support
 @click.option(
-    "--resolution", type=float, default=None, help="Elements along each side against half-module ones; by default 3, of solids 1.5."
+    "--resolution",
+    type=click.FloatRange(0.5, 20.0),
+    default=None,
+    help="Elements along each side against half-module ones, up to 20; by default 3, of solids 1.5.",
 )
 def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str | None, support: str, resolution: float | None) -> None:
     """Write the finite-element mesh of one tooth with its sector of the gear, mesh_*.vtu.
@@ -259,6 +262,8 @@ def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str |
     """
     from gearfem.cli import meshes, steps
 
+    if not out.strip():
+        folder(out)
     targets = meshes.targets(out, gear, dim)
     for path in targets.values():
         folder(str(Path(path).parent))

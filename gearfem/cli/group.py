@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
-import os
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import click
 
+from gearfem.cli.usage import usage_line
 from gearfem.foundation.errors import InputError, SolveError
 
 REFUSED, FAILED, INTERRUPTED = 2, 1, 130
@@ -17,12 +19,29 @@ REFUSED, FAILED, INTERRUPTED = 2, 1, 130
 class Commands(click.Group):
     """Commands whose foreseen errors end in one line: status 2 for bad input, 1 for a failed solve, 130 for Ctrl-C."""
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the words before the command."""
+        try:
+            return super().parse_args(ctx, args)
+        except click.exceptions.NoArgsIsHelpError:
+            raise
+        except click.UsageError as error:
+            _end(ctx, f"error: {usage_line(error)}", REFUSED)
+        return []
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command and turn its errors into exit statuses."""
         try:
             return super().invoke(ctx)
         except InputError as error:
             _end(ctx, f"error: {error}", REFUSED)
+        except click.exceptions.NoArgsIsHelpError:
+            raise
+        except click.UsageError as error:
+            _end(ctx, f"error: {usage_line(error)}", REFUSED)
+        except MemoryError as error:
+            what = f" ({error})" if str(error) else ""
+            _end(ctx, f"error: not enough memory{what}; a lower --resolution or fewer steps take less", FAILED)
         except (SolveError, FloatingPointError) as error:
             _end(ctx, f"error: {error}", FAILED)
         except KeyboardInterrupt:
@@ -51,8 +70,14 @@ def folder(out: str) -> Path:
     Raises
     ------
     InputError
-        If it is a file, lies under one, or must not be written to.
+        If it has no name, is a file, lies under one, or cannot be made or written to.
+
+    Notes
+    -----
+    Made and removed again, since some file systems allow by their permissions what they then refuse.
     """
+    if not out.strip():
+        raise InputError("--out", "a name without letters", "a folder, new or existing; . is the current one")
     path = Path(out)
     if path.exists() and not path.is_dir():
         raise InputError("--out", f"the file {out}", "a folder, new or existing")
@@ -61,6 +86,20 @@ def folder(out: str) -> Path:
         above = above.parent
     if not above.is_dir():
         raise InputError("--out", f"{out}, which lies under the file {above}", "a folder, new or existing")
-    if not os.access(above, os.W_OK | os.X_OK):
-        raise InputError("--out", f"{out}, but {above} must not be written to", "a folder that can be written to")
+    try:
+        _try_out(path)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError("--out", f"{out}, where nothing can be written ({reason})", "a folder that can be written to") from None
     return path
+
+
+def _try_out(path: Path) -> None:
+    missing = [folder for folder in (path, *path.parents) if not folder.exists()]
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        Path(tempfile.mkdtemp(dir=path)).rmdir()
+    finally:
+        for folder in missing:
+            with contextlib.suppress(OSError):
+                folder.rmdir()

@@ -97,8 +97,8 @@ def test_an_out_that_cannot_be_a_folder_is_refused(tmp_path, command):
 
 
 def test_options_out_of_range_are_refused(tmp_path):
-    assert call("stiffness", MODEL, "--out", tmp_path, "--steps", 199).exit_code == 2
-    assert call("compliance", MODEL, "--out", tmp_path, "--support", "hub").exit_code == 2
+    refused(call("stiffness", MODEL, "--out", tmp_path, "--steps", 199), "--steps", "199", "an integer from 200 to 100000")
+    refused(call("compliance", MODEL, "--out", tmp_path, "--support", "hub"), "--support", "'hub'", "bore or root or root_chord")
     refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "nan"), "--torque", "above 0")
     refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "-5"), "--torque", "above 0")
     refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 1), "--dim", "2, the section")
@@ -106,6 +106,46 @@ def test_options_out_of_range_are_refused(tmp_path):
     refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 3, "--resolution", 0.4), "resolution")
     refused(call("mesh", MODEL, "--out", tmp_path / "a.stl"), "--out", ".vtu")
     refused(call("mesh", MODEL, "--out", tmp_path, "--resolution", 0.5), "resolution")
+    refused(call("mesh", MODEL, "--out", tmp_path, "--resolution", "1e4"), "--resolution", "10000.0", "from 0.5 to 20")
+
+
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [
+        (["run", MODEL], ["--out: found nothing", "DIR"]),
+        (["run"], ["MODEL: found nothing"]),
+        (["run", MODEL, "--out"], ["--out", "requires an argument"]),
+        (["stiffness", MODEL, "--out", "x", "--steps", "many"], ["--steps: found 'many'", "an integer from 200 to 100000"]),
+        (["stiffness", MODEL, "--out", "x", "--torque", "much"], ["--torque: found 'much'", "a number"]),
+        (["run", MODEL, "--out", "x", "--outer", "1"], ["--outer", "--out"]),
+        (["run", MODEL, "again", "--out", "x"], ["(again)"]),
+        (["walk"], ["'walk'", "stiffness"]),
+        (["--loud"], ["--loud", "--version"]),
+    ],
+)
+def test_wrong_words_are_one_line_with_option_found_and_allowed(given, found):
+    refused(call(*given), *found, "; allowed: ")
+
+
+def test_no_words_at_all_show_the_help():
+    assert "Commands:" in call().output
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_out_without_a_name_or_that_cannot_be_made_is_refused(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    refused(call(command, MODEL, "--out", ""), "--out")
+    # A file system that takes no folders from anyone, whatever its permissions say.
+    if Path("/proc/self").exists():
+        refused(call(command, MODEL, "--out", "/proc/gearfem"), "--out", "/proc/gearfem")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_in_the_place_of_a_file_is_named_itself(tmp_path):
+    (tmp_path / "kinematics.csv").mkdir()
+    result = call("kinematics", MODEL, "--out", tmp_path, "--steps", 200)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == f"error: {tmp_path / 'kinematics.csv'}: is a directory\n"
 
 
 @pytest.mark.parametrize(
@@ -113,6 +153,7 @@ def test_options_out_of_range_are_refused(tmp_path):
     [
         (SolveError("no balance after\n60 steps"), 1, "error: no balance after 60 steps\n"),
         (FloatingPointError("Engagement.force holds a value that is not finite"), 1, "error: Engagement.force holds"),
+        (MemoryError("Unable to allocate 95 GiB"), 1, "error: not enough memory (Unable to allocate 95 GiB)"),
         (KeyboardInterrupt(), 130, "interrupted\n"),
         (PermissionError(13, "Permission denied", "/there"), 1, "error: /there: permission denied\n"),
     ],
