@@ -22,8 +22,8 @@ from gearfem.foundation.units import MM
 # Ways in which meshio writes boundary sets that come back by name, found by writing and reading each format.
 BY_DATA, BY_TAG, BY_SET = {"vtu", "vtk", "xdmf"}, {"gmsh", "gmsh22"}, {"abaqus"}
 BIQUADRATIC = BY_DATA | BY_TAG | BY_SET | {"mdpa"}
-# Formats whose 27-node hexahedra come back with every node in its place, and the one that has no hexahedra at all.
-TRIQUADRATIC, PLANE = {"vtu", "vtk", "gmsh22", "mdpa"}, {"ply"}
+# Formats whose 27-node hexahedra come back with every node in its place, those without hexahedra, and those without quadrilaterals.
+TRIQUADRATIC, PLANE, SOLID = {"vtu", "vtk", "gmsh22", "mdpa"}, {"ply", "obj"}, {"su2", "flac3d"}
 FORMATS: dict[str, tuple[str, dict[str, Any]]] = {
     ".vtu": ("vtu", {}),
     ".vtk": ("vtk", {}),
@@ -34,6 +34,15 @@ FORMATS: dict[str, tuple[str, dict[str, Any]]] = {
     ".mesh": ("medit", {}),
     ".avs": ("avsucd", {}),
     ".ply": ("ply", {}),
+    ".obj": ("obj", {}),
+    ".vol": ("netgen", {}),
+    ".post": ("permas", {}),
+    ".dat": ("tecplot", {}),
+    ".su2": ("su2", {}),
+    ".f3grid": ("flac3d", {}),
+    ".med": ("med", {}),
+    ".hmf": ("hmf", {}),
+    ".e": ("exodus", {}),
 }
 MPA = 1e6
 
@@ -51,10 +60,11 @@ def format_of(path: Path, dimension: int = 2) -> tuple[str, dict[str, Any]]:
     Raises
     ------
     InputError
-        If the format is none of `FORMATS`, or one without hexahedra. The others of meshio drop quadrilaterals without a
-        word (stl), hold triangles alone, or need packages that could not be tried.
+        If the format is none of `FORMATS`, or one without these elements. The others of meshio hold triangles and
+        tetrahedra alone, drop other elements without a word, or write what they cannot read again.
     """
-    allowed = [ending for ending, (kind, _) in FORMATS.items() if dimension == 2 or kind not in PLANE]
+    without = SOLID if dimension == 2 else PLANE
+    allowed = [ending for ending, (kind, _) in FORMATS.items() if kind not in without]
     if path.suffix not in allowed:
         raise InputError("--out", path, f"a folder, or a file that ends in {', '.join(allowed)}")
     return FORMATS[path.suffix]
@@ -78,7 +88,7 @@ def write_section(section: SectionMesh, held: str, path: Path) -> str:
     Raises
     ------
     InputError
-        If meshio needs another package for the format (h5py for \\*.xdmf) and does not find it.
+        If meshio needs another package for the format (h5py for \\*.xdmf, \\*.med and \\*.hmf, netCDF4 for \\*.e) and does not find it.
 
     Notes
     -----
@@ -141,8 +151,8 @@ def write_solid(content: SolidMesh | SolidField, path: Path, more: Mapping[str, 
 
 def _write(mesh: MeshFile, sides: Sides, path: Path, values: dict[str, Array]) -> str:
     """Write a mesh of one type of elements with its sets the way its format has them, and return which way."""
-    kind, options = format_of(path)
     held, dimension = next(iter(mesh.sets)), mesh.points.shape[1]
+    kind, options = format_of(path, dimension)
     cells: list[tuple[str, Any]] = list(mesh.cells)
     arguments: dict[str, Any] = {}
     said = "no boundary sets: this format has none"
