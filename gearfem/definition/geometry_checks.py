@@ -13,6 +13,9 @@ from gearfem.foundation.units import MM
 # Shifts are written with three or four digits: the distance at which they mesh without play is as uncertain.
 ROUNDING_MODULES = 1e-3
 THINNEST_RIM_MODULES = 0.5
+SHARPEST_EDGE_MODULES = 1e-3
+SMALLEST_BORE = 0.02
+SMALLEST_INERTIA = 1e-4
 
 
 def zero_backlash(pinion: Gear, wheel: Gear, backlash: float = 0.0) -> float:
@@ -65,6 +68,41 @@ def check_gear(model: Model, member: Member, gear: Gear) -> None:
             "a thinner rim is no body that a bore could hold"
         )
         raise InputError(f"{member}.bore_radius_mm", found, allowed)
+    if gear.bore_radius < SMALLEST_BORE * gear.root_radius:
+        allowed = (
+            f"from {SMALLEST_BORE * gear.root_radius / MM:.4f} mm, {100.0 * SMALLEST_BORE:g} % of the root radius: the gear is held on its "
+            "bore, and on a pin it turns without limit (as 1/r^2)"
+        )
+        raise InputError(f"{member}.bore_radius_mm", f"{gear.bore_radius / MM:g} mm", allowed)
+    if gear.tip_edge_radius < SHARPEST_EDGE_MODULES * gear.module:
+        allowed = (
+            f"from {SHARPEST_EDGE_MODULES * gear.module / MM:g} mm, {SHARPEST_EDGE_MODULES:g} module: no cut tooth has a sharper edge, "
+            "and the contact on it would have no finite pressure"
+        )
+        raise InputError(f"{member}.tip_edge_radius_mm", f"{gear.tip_edge_radius / MM:g} mm", allowed)
+
+
+def check_inertia(given: float, member: Member, gear: Gear, face_width: float) -> None:
+    """Refuse an inertia [kg m2] that the gear's own body cannot have.
+
+    Notes
+    -----
+    The inertia holds everything that turns with the gear, so a lightened blank is far above this part of a solid disc. Below it
+    the natural frequency leaves the range in which the teeth act as springs without mass.
+    """
+    least = SMALLEST_INERTIA * gear.disc_inertia(face_width)
+    if given < least:
+        allowed = f"from {least:.4g} kg m2, {SMALLEST_INERTIA:g} of a solid disc of this gear, below which nothing that carries teeth comes"
+        raise InputError(f"operation.{member}_inertia_kg_m2", f"{given:g} kg m2", allowed)
+
+
+def _check_thinning(member: Member, gear: Gear, backlash: float) -> None:
+    """Refuse a backlash that alone makes a tooth pointed; j_n/4 is taken off each flank."""
+    bare = dataclasses.replace(gear, flank_thinning=0.0).half_angle(gear.tip_radius)
+    if gear.half_angle(gear.tip_radius) <= 0.0 < bare:
+        most = 4.0 * bare * gear.base_radius
+        allowed = f"below {most / MM:.4f} mm, at which the thinned teeth of the {member} are pointed at the tip circle"
+        raise InputError("pair.normal_backlash_mm", f"{backlash / MM:g} mm", allowed)
 
 
 def _check_depth(table: GearTable, member: Member, gear: Gear) -> None:
@@ -137,6 +175,7 @@ def check_pair(model: Model, pair: GearPair) -> None:
         if gear.tip_radius <= lowest:
             circle = "root" if gear.root_radius >= gear.base_radius else "base"
             raise InputError(where, found, f"above {lowest / MM:.4f} mm, the {circle} circle and the tip edge radius")
+        _check_thinning(member, gear, pair.normal_backlash)
     if pair.contact_ratio < 1.0:
         where, found = _decides_contact_ratio(model, pair)
         allowed = "a pair whose transverse contact ratio is at least 1: longer tips, gears closer together or smaller shifts"
@@ -150,6 +189,10 @@ def _decides_contact_ratio(model: Model, pair: GearPair) -> tuple[str, str]:
     for owner, table in (("pinion", model.pinion), ("wheel", model.wheel)):
         if table.tip_radius_mm is not None:
             return f"{owner}.tip_radius_mm", f"{table.tip_radius_mm:g} mm"
+    for owner, table, gear in (("pinion", model.pinion, pair.pinion), ("wheel", model.wheel, pair.wheel)):
+        datum = gear.reference_radius + (gear.profile_shift - gear.rack.dedendum) * gear.module
+        if table.root_radius_mm is not None and gear.root_radius > datum:
+            return f"{owner}.root_radius_mm", f"{table.root_radius_mm:g} mm, which shortens the tip of its mate"
     if model.rack.addendum < 1.0:
         return "rack.addendum", f"{model.rack.addendum:g} modules"
     member: Member = "pinion" if abs(model.pinion.profile_shift) >= abs(model.wheel.profile_shift) else "wheel"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from gearfem.definition.geometry_checks import check_centre_distance, check_gear, check_pair, check_rack, zero_backlash
+from gearfem.definition.geometry_checks import check_centre_distance, check_gear, check_inertia, check_pair, check_rack, zero_backlash
 from gearfem.definition.resolve_drive import resolve_chain, resolve_support
 from gearfem.definition.schema import GearTable, MaterialTable, Model, RackTable
 from gearfem.definition.setup import Gear, GearPair, Material, Member, Operation, Rack, Setup
@@ -195,6 +195,7 @@ def _operation(model: Model, pair: GearPair, notes: list[str]) -> Operation:
 
 def _inertia(given: float | None, member: Member, gear: Gear, face_width: float, notes: list[str]) -> float:
     if given is not None:
+        check_inertia(given, member, gear, face_width)
         return given
     inertia = gear.disc_inertia(face_width)
     notes.append(f"Inertia of the {member} not given: a solid disc of its material between bore and reference circle, {inertia:.4g} kg m2.")

@@ -198,6 +198,11 @@ GEOMETRY = {
     "rack pointed": ({"rack.dedendum": 2.2}, "rack.dedendum", "pointed"),
     "root too deep": ({"pinion.root_radius_mm": 15.0}, "pinion.root_radius_mm", "pointed"),
     "shifts without working angle": ({"pinion.profile_shift": -1.5, "wheel.profile_shift": -1.5}, "pinion.profile_shift", "larger sum"),
+    "teeth thinned to a point": ({"pair.normal_backlash_mm": 4.5}, "pair.normal_backlash_mm", "pointed at the tip circle"),
+    "root that shortens the mate": ({"pinion.root_radius_mm": 20.5}, "pinion.root_radius_mm", "contact ratio is at least 1"),
+    "edge as sharp as a blade": ({"pinion.tip_edge_radius_mm": 1e-6}, "pinion.tip_edge_radius_mm", "from 0.002 mm"),
+    "bore of a needle": ({"pinion.bore_radius_mm": 1e-3}, "pinion.bore_radius_mm", "from 0.3500 mm"),
+    "inertia of a grain": ({"operation.wheel_inertia_kg_m2": 1e-12}, "operation.wheel_inertia_kg_m2", "of a solid disc"),
     "no root": ({"pinion.teeth": 5, "pinion.profile_shift": -1.0}, "pinion.profile_shift", "a root radius above"),
 }
 
