@@ -19,6 +19,7 @@ def stresses(coal_combine):
     return {n: fillet_stress(outline, LOADS, FiniteElements(resolution=float(n))).stress for n in (2, 3, 4, 6, 12)}
 
 
+@pytest.mark.slow
 def test_maximum_converges_with_an_order_above_two(stresses):
     coarse = {n: values for n, values in stresses.items() if n < 12}
     error = [np.abs(values / stresses[12] - 1.0).max() for values in coarse.values()]

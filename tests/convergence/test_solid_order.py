@@ -16,6 +16,7 @@ def outline(gear_factory) -> Outline:
     return Outline(gear=gear_factory(17, 1e-3, 9.5e-3, rack=Rack(tip_radius=0.38), bore_radius=5.2e-3))
 
 
+@pytest.mark.slow
 def test_refined_sections_converge_with_the_third_power(outline: Outline) -> None:
     u = np.linspace(2.4, 2.95, 9)
     at = {r: SolidElements(support=Root(), resolution=r, layers=2).curve(outline, u, 2e-3).deflection for r in (0.5, 1.0, 1.5, 2.0, 3.0)}

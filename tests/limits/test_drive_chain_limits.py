@@ -61,6 +61,7 @@ def test_rigid_model_turns_whole_sides(coal_drive):
     assert np.allclose(one.dynamic_factor, two.dynamic_factor, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_supports_displace_a_slow_pair(mesh_factory, coal_drive):
     """Quasi-statically the transmission error grows by P (c1 + c2), and the forces stay."""
     slow = dataclasses.replace(coal_drive, pinion_speed=4.0)

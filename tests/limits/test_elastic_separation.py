@@ -120,6 +120,7 @@ def test_two_motions_coexist_below_the_resonance(light):
     assert factors[1] > 2.0 * factors[0]
 
 
+@pytest.mark.slow
 def test_a_subharmonic_motion_is_not_called_periodic(light):
     """At twice the natural frequency the orbit of one cycle is unstable: a tail, and a torque that still balances."""
     mesh, drive = light(2.0)

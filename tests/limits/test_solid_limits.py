@@ -86,6 +86,7 @@ def _plane_states(outline: Outline, support: Bore | Root, u: float, resolution: 
     return strain, stress
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("support", [Bore(), Root()])
 def test_face_width_leads_from_plane_stress_to_plane_strain(gear_factory, support: Bore | Root) -> None:
     outline = Outline(gear=gear_factory(8, 2e-3, 10e-3, profile_shift=0.5, bore_radius=4e-3))

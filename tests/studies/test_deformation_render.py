@@ -20,6 +20,7 @@ def study():
     return importlib.import_module("deformation_render")
 
 
+@pytest.mark.slow
 def test_pictures_state_scale_and_unit(study, tmp_path, capsys):
     if not render.opengl_works():
         pytest.skip("no off-screen OpenGL on this machine; the other test covers it")

@@ -23,6 +23,7 @@ def rig():
     return module
 
 
+@pytest.mark.slow
 def test_what_the_variable_ratio_adds(tmp_path, capsys):
     study = importlib.import_module("three_models")
     rows = study.main(["--out", str(tmp_path), "--small"])
@@ -71,6 +72,7 @@ def test_softening_resonance_with_jump(tmp_path, capsys):
         assert (tmp_path / name).stat().st_size > 200
 
 
+@pytest.mark.slow
 def test_unknowns_of_the_rig(rig, tmp_path, capsys):
     result = rig.main(["--out", str(tmp_path), "--small"])
     held = {row["unknown"]: (row["least"], row["largest"]) for row in result["ranges"]}

@@ -15,6 +15,7 @@ def study():
     return importlib.import_module("fe_vs_castigliano")
 
 
+@pytest.mark.slow
 def test_small_study_says_what_its_tables_hold(study, tmp_path, capsys):
     result = study.main(["--out", str(tmp_path), "--small", "--root-stress"])
     printed = capsys.readouterr().out

@@ -193,6 +193,7 @@ def test_a_cycle_with_an_impact_agrees_with_absolute_coordinates(mesh_factory, c
     assert np.allclose(stretches, cycle.end[4:9], rtol=1e-7, atol=3e-5)
 
 
+@pytest.mark.slow
 def test_propagator_with_a_chain_is_the_derivative_of_the_cycle(mesh_factory, chain_drive):
     mesh = mesh_factory(TEETH, RADII, varying)
     system = RelativeMotion(mesh, chain_drive, uniform_transport(mesh, chain_drive))

@@ -67,6 +67,7 @@ def _vtk_places() -> np.ndarray:
     return np.array(rows, dtype=float)
 
 
+@pytest.mark.slow
 def test_tooth_agrees_with_hexahedra_assembled_by_scikit_fem(outline: Outline) -> None:
     section = Root().section(outline, 0.5)
     width = FaceWidth(graded_places(6e-3, 2, 2e-3, (1e-3,)), 2)

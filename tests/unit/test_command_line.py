@@ -261,7 +261,7 @@ def test_kinematics_writes_its_table(tmp_path):
     assert len({row["pinion_angle_rad"] for row in table}) == 201
 
 
-@pytest.mark.parametrize("support", ["bore", "root", "root_chord"])
+@pytest.mark.parametrize("support", ["bore", "root", pytest.param("root_chord", marks=pytest.mark.slow)])
 def test_compliance_holds_what_it_is_told(tmp_path, support):
     result = call("compliance", MODEL, "--out", tmp_path, "--support", support)
     assert result.exit_code == 0, result.output

@@ -77,6 +77,7 @@ def test_spectrum_holds_the_harmonics_in_orders(swept):
     assert found == {16.0 * number: pytest.approx(float(first[f"te_harmonic_{number}_um"])) for number in range(1, 7)}
 
 
+@pytest.mark.slow
 def test_agrees_with_the_single_speed(swept, tmp_path):
     """Wheel torque, mean and rms of the transmission error, and Kw, from the sweep and from Gear's method at one of its speeds."""
     result = CliRunner().invoke(main, ["dynamics", MODEL, "--out", str(tmp_path), "--set", "operation.pinion_speed_rpm=700"])
