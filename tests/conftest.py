@@ -26,6 +26,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=rank)
 
 
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print what the tests against published numbers deviate by, also when they pass."""
+    reports = [report for report in terminalreporter.stats.get("passed", []) if "published/" in report.nodeid and report.capstdout]
+    if reports:
+        terminalreporter.section("published numbers")
+    for report in reports:
+        terminalreporter.write_line(report.capstdout.strip())
+
+
 def make_gear(teeth: int, module: float, tip_radius: float, profile_shift: float = 0.0, **changes: object) -> Gear:
     """Return a steel gear of the standard rack; radii in metres."""
     rack = changes.pop("rack", Rack())
