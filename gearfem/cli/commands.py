@@ -43,6 +43,8 @@ def _model_command(command: Command) -> Command:
 def _load(model: str, overrides: tuple[str, ...]) -> Setup:
     from gearfem.model import load_model
 
+    # A refusal that only computing can find names the model too: the group adds it.
+    click.get_current_context().find_root().obj = f"{model} with overrides" if overrides else model
     return load_model(model, overrides)
 
 

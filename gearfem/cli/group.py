@@ -34,7 +34,8 @@ class Commands(click.Group):
         try:
             return super().invoke(ctx)
         except InputError as error:
-            _end(ctx, f"error: {error}", REFUSED)
+            of_model = ctx.obj and not error.where.startswith("--")
+            _end(ctx, f"error: {error.in_file(ctx.obj) if of_model else error}", REFUSED)
         except click.exceptions.NoArgsIsHelpError:
             raise
         except click.UsageError as error:

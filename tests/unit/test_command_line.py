@@ -360,3 +360,11 @@ def test_a_plane_reader_refuses_a_solid_in_one_line(tmp_path):
     refused(call("compliance", MODEL, "--mesh", path, "--gear", "pinion", "--out", tmp_path), "tooth.vtu", "a plane mesh")
     with pytest.raises(InputError, match="hexahedron"):
         read_mesh(MESHES / "coal_combine_pinion_2d.vtu", 3)
+
+
+def test_a_refusal_found_while_computing_names_the_model(tmp_path):
+    result = call("stiffness", MODEL, "--out", tmp_path / "out", "--set", "operation.pinion_torque_Nm=1e8")
+    assert result.exit_code == 2
+    assert result.output.startswith(f"error: {MODEL} with overrides: operation.pinion_torque_Nm: found 1e+08 N m")
+    assert result.output.count("\n") == 1
+    assert not (tmp_path / "out").exists()
