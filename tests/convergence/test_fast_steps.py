@@ -163,6 +163,7 @@ def test_kw_with_contact_loss_agrees_sample_by_sample(light, tuning, backlash):
     assert apart < 1e-5
 
 
+@pytest.mark.slow
 def test_worn_teeth_move_as_by_gears_method(mesh_factory, coal_drive):
     """An unloaded error of 20 um: the transport is not uniform, and deflection counts from it."""
     mesh = mesh_factory(

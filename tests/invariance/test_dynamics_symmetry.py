@@ -74,6 +74,7 @@ def test_rigid_gears_swap_roles(coal_drive):
     assert np.abs(two.dynamic_factor - expected).max() < 1e-5 * np.ptp(expected)
 
 
+@pytest.mark.slow
 def test_elastic_gears_swap_roles(small_pair):
     """The whole chain with pinion and wheel exchanged: without losses the same motion of the teeth, backwards."""
     one = undamped(small_pair)

@@ -66,6 +66,7 @@ def brute_force(drive, backlash, start, cycles):
     return result.y[0][:-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("tuning", "backlash"), [(0.95, 1.0), (0.9, 1e-6), (0.5, 1.0)])
 def test_orbit_with_contact_loss_agrees_with_brute_force(light, tuning, backlash):
     mesh, drive = light(tuning, backlash)

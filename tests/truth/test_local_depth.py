@@ -140,6 +140,7 @@ def logarithm(gear, resolution=3.0, u=None):
     return np.log(tooth.local_depth / tooth.depth)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("member", ["pinion", "wheel"])
 def test_mesh_support_and_body_do_not_change_it(coal_combine, member):
     gear = getattr(coal_combine.pair, member)

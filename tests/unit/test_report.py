@@ -318,6 +318,7 @@ def test_the_words_of_the_report_say_what_the_numbers_are(results, tmp_path):
     assert "reverses where" not in write_report(smooth, tmp_path).read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_picture_of_the_tooth_says_which_load_it_bears(results, tmp_path):
     picture = write_pictures(Results(setup=results.setup, flanks=results.flanks), tmp_path)["pair"]
     rendering = Rendering(picture, "Line load 350 N/mm", "matplotlib", "")

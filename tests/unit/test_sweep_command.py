@@ -103,6 +103,7 @@ class Stop:
             raise KeyboardInterrupt
 
 
+@pytest.mark.slow
 def test_resumed_sweep_is_the_uninterrupted_one(swept, tmp_path):
     """Interrupted on the way up, then on the way down, its last line torn: the same files to the last byte."""
     setup, speeds = load_model(MODEL), sweeps.read_speeds(SPEEDS)
