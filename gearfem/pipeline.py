@@ -193,8 +193,8 @@ def _with_compliance(results: Results, comparison: bool, progress: Progress) -> 
     progress("flanks and compliance", 2, 2)
     if comparison:
         method, flanks = FiniteElements(), results.flanks
-        teeth = {member: with_error(method, getattr(flanks, member), compliance.of(member)) for member in MEMBERS}
-        compliance = Compliance(**teeth)
+        pinion, wheel = (with_error(method, flanks.of(member), compliance.of(member)) for member in MEMBERS)
+        compliance = dataclasses.replace(compliance, pinion=pinion, wheel=wheel)
     pair = results.setup.pair
     return dataclasses.replace(
         results,

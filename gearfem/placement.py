@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
+
 from gearfem.definition.setup import GearPair, Setup
-from gearfem.foundation import Record
+from gearfem.foundation import Array, Record
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -21,6 +23,15 @@ class Placement(Record):
     pinion_start, wheel_start : float
         Polar angles [rad] of the axes of tooth 0 of both gears at pinion angle 0, when pair 0 touches at the
         pitch point; each about its own centre, from the line of centres, positive in its sense of rotation.
+    pinion_late, wheel_late : ndarray, shapes (z1,), (z2,)
+        Index errors of the working flanks along the line of action [m], positive where a tooth comes into contact late.
+    pinion_runout, wheel_runout : (float, float)
+        Eccentricity of each toothing about the axis it turns on [m]: towards the centre of tooth 0, and towards the
+        direction in which teeth are counted (against the sense of rotation).
+    normal_backlash : float
+        Play between working and idle flanks along the line of action [m].
+    support : float
+        Yield of both supports along the line of action per force [m/N], common to all pairs.
     """
 
     pair: GearPair
@@ -28,6 +39,12 @@ class Placement(Record):
     working_pressure_angle: float
     pinion_start: float
     wheel_start: float
+    pinion_late: Array
+    wheel_late: Array
+    normal_backlash: float
+    pinion_runout: tuple[float, float] = (0.0, 0.0)
+    wheel_runout: tuple[float, float] = (0.0, 0.0)
+    support: float = 0.0
 
 
 def make_placement(setup: Setup) -> Placement:
@@ -55,4 +72,7 @@ def make_placement(setup: Setup) -> Placement:
         working_pressure_angle=pair.working_pressure_angle,
         pinion_start=-pair.pinion.half_angle(share * pair.pinion.teeth),
         wheel_start=pair.wheel.half_angle(share * pair.wheel.teeth),
+        pinion_late=np.zeros(pair.pinion.teeth),
+        wheel_late=np.zeros(pair.wheel.teeth),
+        normal_backlash=pair.working_backlash,
     )

@@ -74,10 +74,14 @@ class Compliance(Record):
     ----------
     pinion, wheel : ToothCompliance
         One tooth of each gear and its coupling to the neighbours.
+    pinion_odd, wheel_odd : tuple of (int, ToothCompliance)
+        Teeth that yield differently (cracked ones), by number.
     """
 
     pinion: ToothCompliance
     wheel: ToothCompliance
+    pinion_odd: tuple[tuple[int, ToothCompliance], ...] = ()
+    wheel_odd: tuple[tuple[int, ToothCompliance], ...] = ()
 
     def of(self, member: Member) -> ToothCompliance:
         """Return the compliance of one member."""
@@ -85,4 +89,14 @@ class Compliance(Record):
 
     def on_half_space(self) -> Compliance:
         """Return the same teeth, half spaces between contact and centreline (Weber and Banaschek), for comparison."""
-        return Compliance(pinion=self.pinion.on_half_space(), wheel=self.wheel.on_half_space())
+        return dataclasses.replace(
+            self,
+            pinion=self.pinion.on_half_space(),
+            wheel=self.wheel.on_half_space(),
+            pinion_odd=tuple((number, tooth.on_half_space()) for number, tooth in self.pinion_odd),
+            wheel_odd=tuple((number, tooth.on_half_space()) for number, tooth in self.wheel_odd),
+        )
+
+    def odd(self, member: Member) -> dict[int, ToothCompliance]:
+        """Return the teeth that yield differently, by number."""
+        return dict(self.pinion_odd if member == "pinion" else self.wheel_odd)

@@ -10,7 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.definition.drive_parts import ShaftedInertia, Support
+from gearfem.definition.setup import Member
 from gearfem.foundation import Array, InputError, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Ripple(Record):
+    """A torque that varies as amplitude x cos(order x angle + phase) with the angle of its own shaft.
+
+    Parameters
+    ----------
+    member : {"pinion", "wheel"}
+        Whose torque varies: the pinion's driving torque or the wheel's braking torque.
+    order, amplitude, phase : float
+        Cycles to a turn of that shaft, amplitude [N m] and phase [rad].
+    """
+
+    member: Member
+    order: float
+    amplitude: float
+    phase: float
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -34,6 +53,8 @@ class DriveTrain(Record):
         wheel's side turn as the wheel does.
     pinion_support, wheel_support : Support, optional
         Yielding supports along the line of action; None is rigid.
+    ripples : tuple of Ripple
+        Torques that vary with the turns of a shaft, added to the two steady ones.
     """
 
     pinion_inertia: float
@@ -48,6 +69,7 @@ class DriveTrain(Record):
     wheel_chain: tuple[ShaftedInertia, ...] = ()
     pinion_support: Support | None = None
     wheel_support: Support | None = None
+    ripples: tuple[Ripple, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -204,6 +204,6 @@ def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) ->
         sliding_reversals=np.array([0.0]),
         base_radius1=pair.pinion.base_radius,
         base_radius2=pair.wheel.base_radius,
-        normal_backlash=pair.working_backlash,
+        normal_backlash=mesh.placement.normal_backlash,
         mean_stiffness=float(np.mean(1.0 / (operating.slope * pair.pinion.base_radius))),
     )

@@ -1,6 +1,8 @@
 """The flanks of both gears: outlines with exact points, normals and curvatures."""
 
+from gearfem.flank.deviation import Deviation
 from gearfem.flank.flanks import Flanks, make_flanks, path_of_contact
+from gearfem.flank.lead import Lead
 from gearfem.flank.outline import Outline
 
-__all__ = ["Flanks", "Outline", "make_flanks", "path_of_contact"]
+__all__ = ["Deviation", "Flanks", "Lead", "Outline", "make_flanks", "path_of_contact"]

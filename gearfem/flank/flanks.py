@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from gearfem.definition.setup import Gear, GearPair, Member, Setup
+from gearfem.flank.lead import Lead
 from gearfem.flank.outline import FLANK, Outline
 from gearfem.foundation import InputError, Record
 from gearfem.foundation.units import MM
@@ -20,11 +21,26 @@ class Flanks(Record):
     Parameters
     ----------
     pinion, wheel : Outline
-        One side of a tooth of each gear; all teeth and both sides are equal.
+        Working side of a tooth of each gear; the idle side is its unworn mirror image.
+    pinion_odd, wheel_odd : tuple of (int, Outline)
+        Teeth whose working flank differs from that of the others, by number.
+    lead : Lead
+        Gap along the face width, common to all pairs.
     """
 
     pinion: Outline
     wheel: Outline
+    pinion_odd: tuple[tuple[int, Outline], ...] = ()
+    wheel_odd: tuple[tuple[int, Outline], ...] = ()
+    lead: Lead = dataclasses.field(default_factory=Lead)
+
+    def of(self, member: Member) -> Outline:
+        """Return the outline that most teeth of a gear have."""
+        return self.pinion if member == "pinion" else self.wheel
+
+    def odd(self, member: Member) -> dict[int, Outline]:
+        """Return the outlines that differ, by tooth."""
+        return dict(self.pinion_odd if member == "pinion" else self.wheel_odd)
 
 
 def make_flanks(setup: Setup) -> Flanks:
