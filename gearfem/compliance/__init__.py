@@ -1,6 +1,6 @@
 """Tooth compliance: deflection per line load over the load's position, teeth, bodies and coupling."""
 
-from gearfem.compliance.body import BodyCompliance, annulus_wind_up, body_compliance
+from gearfem.compliance.body import BodyCompliance, annulus_wind_up, body_compliance, body_share, scale_body
 from gearfem.compliance.castigliano import Castigliano, FilletMiddle, FormCircle, RootEnd
 from gearfem.compliance.elasticity import PlaneStrain, PlaneStress
 from gearfem.compliance.field import Field
@@ -42,7 +42,9 @@ __all__ = [
     "WidthProfile",
     "annulus_wind_up",
     "body_compliance",
+    "body_share",
     "load_positions",
     "make_compliance",
+    "scale_body",
     "with_error",
 ]

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 from gearfem.compliance.elasticity import stiffness
 from gearfem.compliance.finite_elements import FiniteElements
 from gearfem.compliance.load_lines import forces, load_lines
+from gearfem.compliance.record import Compliance, ToothCompliance
 from gearfem.compliance.ring import one_thread
 from gearfem.compliance.supports import Bore, Root
-from gearfem.definition.setup import Gear
+from gearfem.definition.setup import Gear, Member
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
 
@@ -102,6 +103,83 @@ def body_compliance(outline: Outline, u: ArrayLike, method: FiniteElements | Non
         wind_up=rotation * moment_arm(outline, alone.u) ** 2,
         neighbours=np.diagonal(both.coupling, axis1=1, axis2=2).T,
     )
+
+
+def scale_body(compliance: Compliance, scale: float, method: FiniteElements | None = None) -> Compliance:
+    """Multiply the compliance of both gear bodies.
+
+    Parameters
+    ----------
+    compliance : Compliance
+        Both gears, each held at its bore.
+    scale : float
+        Of the bodies' share, positive; 1 gives every array back bit for bit.
+    method : FiniteElements, optional
+        That which made the compliance, by default plane strain.
+
+    Returns
+    -------
+    Compliance
+
+    Raises
+    ------
+    InputError
+        If the scale is not positive, or the compliance is of another method.
+
+    Notes
+    -----
+    d + (scale - 1) b with the share b of `body_share`, and the same for the coupling, all of which is the body's. A tooth that yields
+    more than the others of its gear stands on the same body and gets the same b. The slope over the scale is b everywhere.
+    """
+    if not 0.0 < scale < math.inf:
+        raise InputError("scale", scale, "a positive number; 1 leaves the bodies as they are")
+    method = method or FiniteElements()
+    if compliance.pinion.method != method.name:
+        raise InputError("method", method.name, f"the method of this compliance, {compliance.pinion.method}")
+
+    def scaled(member: Member, tooth: ToothCompliance) -> ToothCompliance:
+        sound = compliance.of(member)
+        added, coupled = body_share(sound, method), sound.coupling
+        return dataclasses.replace(
+            tooth,
+            deflection=tooth.deflection + (scale - 1.0) * added,
+            coupling=tooth.coupling + (scale - 1.0) * coupled,
+        )
+
+    return dataclasses.replace(
+        compliance,
+        pinion=scaled("pinion", compliance.pinion),
+        wheel=scaled("wheel", compliance.wheel),
+        pinion_odd=tuple((number, scaled("pinion", tooth)) for number, tooth in compliance.pinion_odd),
+        wheel_odd=tuple((number, scaled("wheel", tooth)) for number, tooth in compliance.wheel_odd),
+    )
+
+
+def body_share(tooth: ToothCompliance, method: FiniteElements | None = None) -> Array:
+    """Return what the body adds to the deflection of a tooth: that on the whole gear less that of the tooth held at its root.
+
+    Parameters
+    ----------
+    tooth : ToothCompliance
+        On the gear held at its bore.
+    method : FiniteElements, optional
+        That which made it, by default plane strain.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [m per N/m].
+
+    Notes
+    -----
+    A load line that crosses the centreline under the root circle is read where the tooth alone is held and does not
+    move: there all is the body's. The share is continuous, with a kink.
+    """
+    method = dataclasses.replace(method or FiniteElements(), support=Root())
+    alone = method.curve(tooth.outline, tooth.u)
+    held = np.zeros_like(tooth.deflection)
+    held[np.searchsorted(tooth.u, alone.u)] = alone.deflection
+    return np.asarray(tooth.deflection - held)
 
 
 def moment_arm(outline: Outline, u: ArrayLike) -> Array:

@@ -264,4 +264,4 @@ def _tooth(method: FiniteElements, outline: Outline, u: Array, offsets: tuple[in
             raise InputError("support", method.support.name, "bore: a tooth held at its root is not coupled to its neighbours")
         coupling = loaded.structure.coupling(loaded.load, offsets)
         depth = method._local_depth(outline, loaded)
-        return ToothCompliance(**method._columns(loaded), offsets=offsets, coupling=coupling, local_depth=depth)
+        return ToothCompliance(**method._columns(loaded), outline=outline, offsets=offsets, coupling=coupling, local_depth=depth)

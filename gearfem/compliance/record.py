@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from gearfem.definition.setup import Member
+from gearfem.flank import Outline
 from gearfem.foundation import Array, Record
 
 
@@ -45,6 +46,8 @@ class ToothCompliance(ComplianceCurve):
 
     Parameters
     ----------
+    outline : Outline
+        Outline of the teeth that were computed.
     offsets : tuple of int
         Neighbours described, without 0. +1 is the neighbour on the side of the loaded flank (at one pitch
         towards positive y of the `Outline`), -1 the one behind.
@@ -57,6 +60,7 @@ class ToothCompliance(ComplianceCurve):
         the law of contact adds that part, which `deflection` leaves out. See `gearfem.compliance.local_depth`.
     """
 
+    outline: Outline
     offsets: tuple[int, ...]
     coupling: Array
     local_depth: Array

@@ -48,6 +48,7 @@ def make_curves(outline, scale=1.0):
         method="fe_plane_strain",
         support="bore",
         deflection=2.0 * root,
+        outline=outline,
         offsets=(-1, 1),
         coupling=np.zeros((2, 41, 41)),
         local_depth=shape["depth"],
