@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from gearfem.compliance.record import Compliance
-from gearfem.contact import Line
+from gearfem.contact import EdgedLine, Line
+from gearfem.contact.peak import largest_pressure
 from gearfem.engagement.contacts import REACH, find_contacts
 from gearfem.engagement.record import Contacts, Engagement, MeshForce
 from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
@@ -120,6 +121,7 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
         mesh_stiffness=1.0 / (sharing.slope * pair.pinion.base_radius),
         secant_stiffness=nominal / sharing.transmission_error,
         single_stiffness=_single_stiffness(mesh, contacts, torque),
+        contact_pressure=_contact_pressure(mesh, contacts, sharing.force),
         gear_ratio=1.0 / (1.0 / pair.ratio - change / pair.wheel.base_radius),
         gear_ratio_unloaded=contacts.arm2[rows, first] / contacts.arm1[rows, first],
         gear_ratio_force=(force * contacts.arm2).sum(axis=1) / (force * contacts.arm1).sum(axis=1),
@@ -149,6 +151,17 @@ def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
     approach = own + mesh.law.approach(force, system.line)
     on_path = contacts.reach & (contacts.gap == 0.0)
     return np.where(on_path, force * mesh.placement.pair.face_width / approach, 0.0)
+
+
+def _contact_pressure(mesh: Mesh, contacts: Contacts, line_load: Array) -> Array:
+    """Return the largest pressure on each pair [Pa] under line loads [N/m], shape (n, p)."""
+    pair = mesh.placement.pair
+    law = EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material)
+    line = mesh.system(contacts).line
+    touching = line_load > 0.0
+    pressure = np.zeros_like(line_load)
+    pressure[touching] = largest_pressure(law, line_load[touching], Line(*(values[touching] for values in line)))
+    return pressure
 
 
 def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) -> MeshForce:

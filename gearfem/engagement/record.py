@@ -90,6 +90,8 @@ class Engagement(Record):
         Slope and secant of the nominal normal force T1/r_b1 over the transmission error [N/m].
     single_stiffness : ndarray, shape (n, p)
         Secant stiffness of each pair, were it to carry the whole load alone [N/m]; 0 off the path of contact.
+    contact_pressure : ndarray, shape (n, p)
+        Largest pressure on each pair, Hertz's but where its band runs over a tip edge [Pa]; 0 where it does not touch.
     gear_ratio, gear_ratio_unloaded, gear_ratio_force : ndarray, shape (n,)
         dphi1/dphi2 under the torque, of the rigid transmission function, and sum P l2 / sum P l1.
     """
@@ -101,6 +103,7 @@ class Engagement(Record):
     mesh_stiffness: Array
     secant_stiffness: Array
     single_stiffness: Array
+    contact_pressure: Array
     gear_ratio: Array
     gear_ratio_unloaded: Array
     gear_ratio_force: Array

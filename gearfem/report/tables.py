@@ -100,7 +100,7 @@ def on_flank(curve: ComplianceCurve) -> ComplianceCurve:
 
 
 def write_stiffness(results: Results, out: Path, engagements: Sequence[Engagement] | None = None) -> Path:
-    """Write mesh_stiffness.csv: stiffness, transmission error and load shares over the pinion angle.
+    """Write mesh_stiffness.csv: stiffness, transmission error, load shares and contact pressures over the pinion angle.
 
     Parameters
     ----------
@@ -127,6 +127,10 @@ def write_stiffness(results: Results, out: Path, engagements: Sequence[Engagemen
     }
     for pair in _loaded_pairs(several):
         columns[f"load_share_{_pair_name(pair)}"] = _stack(several, lambda one, pair=pair: share_of(one, pair))
+    for pair in _loaded_pairs(several):
+        columns[f"contact_pressure_{_pair_name(pair)}_MPa"] = _stack(
+            several, lambda one, pair=pair: of_pair(one, one.contact_pressure, pair)
+        )
     return _write(results, Path(out) / "mesh_stiffness.csv", columns)
 
 
@@ -144,12 +148,19 @@ def _pair_name(pair: int) -> str:
 
 
 def share_of(engagement: Engagement, pair: int) -> Array:
-    """Return the load share of one pair over the pinion angle, zero for a pair that was not followed.
+    """Return the load share of one pair over the pinion angle; arguments as `of_pair`."""
+    return of_pair(engagement, engagement.load_share, pair)
+
+
+def of_pair(engagement: Engagement, values: Array, pair: int) -> Array:
+    """Return the values of one pair over the pinion angle, zero for a pair that was not followed.
 
     Parameters
     ----------
     engagement : Engagement
         One torque.
+    values : ndarray, shape (n, p)
+        Of all its pairs.
     pair : int
         Number of the pair as in `Contacts.pairs`.
 
@@ -158,10 +169,7 @@ def share_of(engagement: Engagement, pair: int) -> Array:
     ndarray, shape (n,)
     """
     pairs = engagement.contacts.pairs
-    if pair not in pairs:
-        return np.zeros(engagement.contacts.pinion_angle.size)
-    share: Array = engagement.load_share[:, pairs.index(pair)]
-    return share
+    return values[:, pairs.index(pair)] if pair in pairs else np.zeros(len(values))
 
 
 def write_kinematics(results: Results, out: Path) -> Path:

@@ -9,6 +9,7 @@ import pytest
 
 from gearfem.contact import EdgedLine, HertzLine, Line
 from gearfem.contact.band import edge_band
+from gearfem.contact.peak import largest_pressure
 from gearfem.definition.setup import Material
 
 STEEL = EdgedLine(pinion=Material(), wheel=Material())
@@ -153,6 +154,16 @@ def test_closed_form_is_the_direct_solution(t, sharpness, force):
     touching, spacing = x[pressure > 0.0] / unit, np.diff(x).max() / unit
     assert abs(touching[0] - (middle - width)) < 2.0 * spacing
     assert abs(touching[-1] - (middle + width)) < 2.0 * spacing
+
+
+@pytest.mark.parametrize(("t", "sharpness", "force"), [*POINTS, (0.0, 180.0, 0.02), (-0.02, 180.0, 0.02)])
+def test_largest_pressure_is_that_of_the_direct_solution(t, sharpness, force):
+    """In steel, with lengths in units of the round: forces and pressures count in E*."""
+    _, unit, _, _, pressure = solved(t, sharpness, force, parabolic_gap)
+    line = Line(*map(np.array, (sharpness, 1.0, 1.0, t * unit, 1.0)))
+    ours = float(largest_pressure(STEEL, force * MODULUS, line)) / MODULUS
+    # The nodes of the direct solution miss the top, which is sharp beside a sharp edge, by as much as ours do.
+    assert ours == pytest.approx(pressure.max(), rel=1e-3, abs=0.0)
 
 
 @pytest.mark.parametrize("force", [1e-3, 0.02, 0.1])

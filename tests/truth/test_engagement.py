@@ -115,3 +115,25 @@ def test_force_table_returns_the_operating_point(setup, mesh) -> None:
     # Linear interpolation between 200 levels of a force that bends little: (1/200)^2 / 8 times a few.
     assert np.array(moment) == pytest.approx(torque, rel=5e-4, abs=0.0)
     assert (table.normal_force[:, 0] == 0.0).all()
+
+
+def test_pressure_is_that_of_hertz_in_single_contact(setup, mesh, engagement) -> None:
+    """One pair on the path, its band clear of the edges: p0 = sqrt(F E*/(pi R b)), 1/E* = 2 (1 - nu^2)/E for one steel."""
+    contacts, steel = engagement.contacts, setup.pair.pinion.material
+    modulus = steel.youngs_modulus / (2.0 * (1.0 - steel.poissons_ratio**2))
+    alone = (engagement.force > 0.0) & ((engagement.force > 0.0).sum(axis=1) == 1)[:, None] & (contacts.gap == 0.0)
+    clear = alone & (contacts.edge > 0.02 * setup.pair.pinion.module * 2.0)
+    assert clear.any()
+    load = setup.operation.pinion_torque / setup.pair.pinion.base_radius / setup.pair.face_width
+    expected = np.sqrt(load * modulus / (np.pi * contacts.flank_radius[clear]))
+    assert engagement.contact_pressure[clear] == pytest.approx(expected, rel=1e-9, abs=0.0)
+    assert ((engagement.contact_pressure > 0.0) == (engagement.force > 0.0)).all()
+
+
+def test_pressure_rises_at_a_tip_edge(engagement) -> None:
+    """On a round a hundred times sharper than the flanks the same load presses far harder than between flanks."""
+    contacts = engagement.contacts
+    corner = (engagement.force > 0.0) & (contacts.edge < 0.0)
+    assert corner.any()
+    per_load = engagement.contact_pressure**2 / np.where(engagement.force > 0.0, engagement.force, 1.0)
+    assert per_load[corner].min() > 5.0 * np.median(per_load[(engagement.force > 0.0) & (contacts.gap == 0.0)])
