@@ -76,6 +76,7 @@ def make_engagement(setup, flanks, torque):
         mesh_stiffness=PAIR_STIFFNESS * count * 1.0,
         secant_stiffness=0.95 * PAIR_STIFFNESS * count,
         single_stiffness=PAIR_STIFFNESS * touching,
+        contact_pressure=1e9 * touching,
         gear_ratio=ratio,
         gear_ratio_unloaded=np.full(angle.size, pair.ratio),
         gear_ratio_force=np.full(angle.size, pair.ratio),
@@ -177,8 +178,10 @@ def test_stiffness_columns_and_units(results, tmp_path):
     assert header == [
         "pinion_torque_Nm", "pinion_angle_rad", "mesh_stiffness_N_per_um", "secant_stiffness_N_per_um", "transmission_error_um",
         "pairs_in_contact", "load_share_m1", "load_share_0", "load_share_p1",
+        "contact_pressure_m1_MPa", "contact_pressure_0_MPa", "contact_pressure_p1_MPa",
     ]  # fmt: skip
     middle = 100
+    assert [columns[f"contact_pressure_{name}_MPa"][middle] for name in ("m1", "0", "p1")] == ["0", "1000", "0"]
     assert columns["pairs_in_contact"][middle] == "1"
     # By hand: 1.2e9 N/m = 1200 N/um; 1605 N m / 60.14 mm / 1200 N/um = 22.24 um.
     assert float(columns["mesh_stiffness_N_per_um"][middle]) == pytest.approx(1200.0)
@@ -196,7 +199,8 @@ def test_a_pair_that_carries_gets_its_column(results, tmp_path):
     force[-1, 4] = 1.0
     twice = (engagement, dataclasses.replace(engagement, force=force, pinion_torque=800.0))
     _, header, columns = read(write_stiffness(results, tmp_path, twice))
-    assert header[-4:] == ["load_share_m1", "load_share_0", "load_share_p1", "load_share_p2"]
+    assert header[-8:-4] == ["load_share_m1", "load_share_0", "load_share_p1", "load_share_p2"]
+    assert header[-1] == "contact_pressure_p2_MPa"
     assert set(columns["pinion_torque_Nm"]) == {"1605", "800"}
     assert len(columns["pinion_torque_Nm"]) == 402
 
