@@ -1,0 +1,192 @@
+"""Campaigns: measurements of one gear pair, read, checked and in SI."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any, Literal
+
+from numpy.typing import NDArray
+
+from gearfem.definition.model_file import read_tables
+from gearfem.definition.setup import Gear, GearPair, Member, Setup
+from gearfem.diagnosis.faults import Fault, find_faults, refuse_duplicates
+from gearfem.diagnosis.quantities import QUANTITIES, Quantity
+from gearfem.diagnosis.roles import Role, share_roles
+from gearfem.diagnosis.schema import RecordTable, validate_campaign
+from gearfem.diagnosis.series import read_series
+from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.units import RPM
+from gearfem.model import load_model
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Measurement(Record):
+    """One measured series in SI.
+
+    Parameters
+    ----------
+    file : str
+        As named in the campaign; the name of the record.
+    quantity : Quantity
+        What was measured over what.
+    axis, value : ndarray, shape (n,)
+        Pinion angle [rad], pinion speed [rad/s], roll length [m] or tooth number; the measured value in SI.
+    line : ndarray of int, shape (n,)
+        Line of the file behind each row.
+    keep : ndarray of bool, shape (n,)
+        False for rows that a repairable fault masks.
+    pinion_torque, pinion_speed : float
+        [N m], [rad/s]; 0 where the quantity has none.
+    gear : {"pinion", "wheel"} or None
+        Gear of a record of one gear.
+    tooth : int or None
+        Tooth of a flank.
+    tooth_known : bool
+        Whether the number of the first tooth is known.
+    noise_std : float or None
+        Stated standard deviation of the instrument, in SI.
+    role : {"fit", "holdout"}
+        What the record is for.
+    role_given : bool
+        Whether the campaign says so itself.
+    """
+
+    file: str
+    quantity: Quantity
+    axis: Array
+    value: Array
+    line: NDArray[Any]
+    keep: NDArray[Any]
+    pinion_torque: float = 0.0
+    pinion_speed: float = 0.0
+    gear: Member | None = None
+    tooth: int | None = None
+    tooth_known: bool = True
+    noise_std: float | None = None
+    role: Role = "fit"
+    role_given: bool = False
+
+    @property
+    def to_file(self) -> float:
+        """Factor from SI to the unit of the file's measured column."""
+        return 1.0 / self.quantity.factors[1]
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Campaign(Record):
+    """Measurements of one gear pair and the model that its owner believes in.
+
+    Parameters
+    ----------
+    name : str
+        Title.
+    path, model : str
+        Files of the campaign and of its model.
+    setup : Setup
+        That model.
+    angle_known : bool
+        Whether pinion angle 0 is pair 0 in contact at the pitch point.
+    records : tuple of Measurement
+        In the order of the file.
+    remarks : tuple of Fault
+        Faults that were repaired and decisions that were taken, to be reported.
+    """
+
+    name: str
+    path: str
+    model: str
+    setup: Setup
+    angle_known: bool
+    records: tuple[Measurement, ...]
+    remarks: tuple[Fault, ...] = ()
+
+    def of(self, role: Role) -> tuple[Measurement, ...]:
+        """Return the records of one role."""
+        return tuple(record for record in self.records if record.role == role)
+
+
+def read_campaign(path: str | Path) -> Campaign:
+    """Read a campaign, check its data and share out the roles that it leaves open.
+
+    Parameters
+    ----------
+    path : str or Path
+        Campaign file; model and records are found relative to it.
+
+    Returns
+    -------
+    Campaign
+
+    Raises
+    ------
+    InputError
+        One line with file, key or row, what was found and what is allowed. Isolated spikes and single missing rows are
+        repaired and listed in `remarks`; every other fault of the data is refused.
+    """
+    path = Path(path)
+    try:
+        table = validate_campaign(read_tables(path))
+    except InputError as error:
+        raise error.in_file(str(path)) from None
+    model = path.parent / table.model
+    setup = load_model(model)
+    records, remarks = [], []
+    for index, entry in enumerate(table.record, 1):
+        try:
+            record, found = _measurement(path.parent, entry, setup.pair)
+        except InputError as error:
+            where = f"record[{index}].{error.where}" if error.file is None else error.where
+            raise InputError(where, error.found, error.allowed, error.file or str(path)) from None
+        records.append(record)
+        remarks += found
+    try:
+        refuse_duplicates([(record.file, record.value, record.axis) for record in records])
+    except InputError as error:
+        raise error.in_file(str(path)) from None
+    roles, decisions = share_roles([entry.role for entry in table.record], [(r.quantity, r.pinion_torque, r.pinion_speed) for r in records])
+    for record, decision in zip(records, decisions, strict=True):
+        if decision:
+            remarks.append(Fault(record=record.file, kind="role", rows=(), sentence=decision))
+    return Campaign(
+        name=table.name or path.stem,
+        path=str(path),
+        model=str(model),
+        setup=setup,
+        angle_known=table.angle_zero == "pitch_point",
+        records=tuple(dataclasses.replace(record, role=role) for record, role in zip(records, roles, strict=True)),
+        remarks=tuple(remarks),
+    )
+
+
+def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Measurement, list[Fault]]:
+    quantity = QUANTITIES[entry.quantity]
+    gear = _gear(pair, entry.gear)
+    if entry.tooth is not None and entry.tooth >= gear.teeth:
+        raise InputError("tooth", entry.tooth, f"an integer from 0 to {gear.teeth - 1}, the teeth of the {entry.gear}")
+    series = read_series(folder / entry.file, quantity.columns)
+    try:
+        keep, faults = find_faults(entry.file, quantity, series, pair, gear)
+    except InputError as error:
+        raise error.in_file(str(folder / entry.file)) from None
+    axis, value = (column * unit for column, unit in zip((series.axis, series.value), quantity.factors, strict=True))
+    record = Measurement(
+        file=entry.file,
+        quantity=quantity,
+        axis=axis,
+        value=value,
+        line=series.line,
+        keep=keep,
+        pinion_torque=0.0 if quantity.of_gear else entry.pinion_torque_Nm or 0.0,
+        pinion_speed=(entry.pinion_speed_rpm or 0.0) * RPM if quantity.axis == "angle" else 0.0,
+        gear=entry.gear,
+        tooth=entry.tooth,
+        tooth_known=entry.tooth_zero is None,
+        noise_std=None if entry.noise_std is None else entry.noise_std * quantity.factors[1],
+        role_given=entry.role is not None,
+    )
+    return record, faults
+
+
+def _gear(pair: GearPair, member: Literal["pinion", "wheel"] | None) -> Gear:
+    return pair.wheel if member == "wheel" else pair.pinion

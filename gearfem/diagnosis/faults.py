@@ -1,0 +1,242 @@
+"""Faults of measured data: isolated ones are masked and listed, the rest is refused with record and row."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearfem.definition.setup import Gear, GearPair
+from gearfem.diagnosis.quantities import Quantity
+from gearfem.diagnosis.series import Series
+from gearfem.diagnosis.spikes import find_spikes
+from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.units import MM, UM
+
+# A spacing is a gap above four usual ones, and above three of the widest that an unequal sampling has anyway.
+GAP, GAP_UNEQUAL = 4.0, 3.0
+MISSING = 1.75
+SAMPLES_PER_PITCH = 6.0
+# One sample in a hundred is no longer isolated.
+MOST_SPIKES = 0.01
+COPY = 1e-9
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Fault(Record):
+    """Something about a record that a reader of the results must know.
+
+    Parameters
+    ----------
+    record : str
+        File of the record.
+    kind : str
+        One of spike, missing_rows, role, noise, shift.
+    rows : tuple of int
+        Rows concerned, counted from 0 without comments and header.
+    sentence : str
+        The same in words.
+    """
+
+    record: str
+    kind: str
+    rows: tuple[int, ...]
+    sentence: str
+
+
+def find_faults(file: str, quantity: Quantity, series: Series, pair: GearPair, gear: Gear) -> tuple[NDArray[Any], list[Fault]]:
+    """Check one series as its file has it; return which rows can be used, and what was repaired.
+
+    Parameters
+    ----------
+    file : str
+        Name of the record.
+    quantity : Quantity
+        What was measured.
+    series : Series
+        In the units of the file.
+    pair : GearPair
+        The gears.
+    gear : Gear
+        Gear of a record of one gear; the pinion for all others.
+
+    Returns
+    -------
+    keep : ndarray of bool, shape (n,)
+        False where a spike was masked.
+    faults : list of Fault
+        What was repaired.
+
+    Raises
+    ------
+    InputError
+        On an axis that runs backwards, has a gap or another unit, and on spikes that are not isolated.
+    """
+    keep = np.ones(len(series.axis), bool)
+    if quantity.axis == "speed":
+        _check_speed(series, quantity)
+        return keep, []
+    _check_order(series, quantity)
+    if quantity.axis == "tooth":
+        _check_teeth(series)
+        return keep, []
+    if quantity.axis == "roll":
+        _check_roll(series, gear)
+    else:
+        _check_angle(series, quantity, pair)
+    faults = _check_spacing(file, series, quantity)
+    periods = [2.0 * math.pi, 2.0 * math.pi * pair.ratio, pair.pinion.pitch_angle] if quantity.axis == "angle" else []
+    spikes = find_spikes(series.axis, series.value, periods)
+    if len(spikes) > max(1.0, MOST_SPIKES * len(keep)):
+        column = quantity.columns[1]
+        found = f"{len(spikes)} spikes ({rows_text(series, spikes)})"
+        raise InputError(f"{series.row(int(spikes[0]))}, column {column}", found, "isolated ones, at most one row in a hundred")
+    if len(spikes):
+        keep[spikes] = False
+        rows = tuple(int(row) for row in spikes)
+        faults.append(Fault(record=file, kind="spike", rows=rows, sentence=f"isolated spikes masked: {rows_text(series, spikes)}"))
+    return keep, faults
+
+
+def refuse_duplicates(records: list[tuple[str, Array, Array]]) -> None:
+    """Refuse a record whose values are those of an earlier one, under another name, torque or constant.
+
+    Parameters
+    ----------
+    records : list of (str, ndarray, ndarray)
+        File, values and axis of each record.
+
+    Raises
+    ------
+    InputError
+        Naming both.
+    """
+    for later, (file, value, axis) in enumerate(records):
+        for earlier, (other, first, first_axis) in enumerate(records[:later]):
+            if file == other or _copied(value, axis, first, first_axis):
+                found = f"the same data as record[{earlier + 1}] ({other})"
+                raise InputError(f"record[{later + 1}] ({file})", found, "each measurement once: leave out the copy")
+
+
+def _copied(value: Array, axis: Array, first: Array, first_axis: Array) -> bool:
+    """Whether two series are the same up to a constant and a factor; noise alone keeps real repeats apart."""
+    if len(value) != len(first) or len(value) < 5 or not np.allclose(axis, first_axis, rtol=1e-6, atol=0.0):
+        return False
+    one, two = value - value.mean(), first - first.mean()
+    size = float(np.linalg.norm(one) * np.linalg.norm(two))
+    return size > 0.0 and 1.0 - float(one @ two) / size < COPY
+
+
+def rows_text(series: Series, rows: NDArray[Any]) -> str:
+    """Return rows in words, the first few of many."""
+    names = [series.row(int(row)) for row in rows[:5]]
+    return ", ".join(names) + (f" and {len(rows) - 5} more" if len(rows) > 5 else "")
+
+
+# ---- axes ---------------------------------------------------------------------------------------------
+
+
+def _check_order(series: Series, quantity: Quantity) -> None:
+    back = np.flatnonzero(np.diff(series.axis) <= 0.0)
+    if len(back):
+        row = int(back[0]) + 1
+        found = f"{series.axis[row]:.10g} after {series.axis[row - 1]:.10g}"
+        raise InputError(f"{series.row(row)}, column {quantity.columns[0]}", found, "a value above that of the row before it")
+
+
+def _check_spacing(file: str, series: Series, quantity: Quantity) -> list[Fault]:
+    """Refuse gaps; list single rows that are missing."""
+    if len(series.axis) < 8:
+        return []
+    spacing = np.diff(series.axis)
+    usual = float(np.median(spacing))
+    if quantity.axis == "roll":
+        return []
+    limit = max(GAP * usual, GAP_UNEQUAL * float(np.quantile(spacing, 0.95)))
+    gaps = np.flatnonzero(spacing > limit)
+    if len(gaps):
+        row = int(gaps[0]) + 1
+        found = f"a gap of {spacing[row - 1]:.4g} behind the row before it, the usual step being {usual:.4g}"
+        allowed = f"steps up to {limit:.4g}; split the record in two files at the gap"
+        raise InputError(f"{series.row(row)}, column {quantity.columns[0]}", found, allowed)
+    equal = float(np.quantile(spacing, 0.95)) < 1.2 * usual
+    missing = np.flatnonzero(spacing > MISSING * usual) + 1 if equal else np.empty(0, int)
+    if not len(missing):
+        return []
+    rows = tuple(int(row) for row in missing)
+    return [Fault(record=file, kind="missing_rows", rows=rows, sentence=f"rows are missing before {rows_text(series, missing)}")]
+
+
+def _check_angle(series: Series, quantity: Quantity, pair: GearPair) -> None:
+    """Refuse angles that cannot be radians of the pinion."""
+    where = f"column {quantity.columns[0]}"
+    pitch = pair.pinion.pitch_angle
+    if len(series.axis) < 8 or np.ptp(series.axis) < 0.5 * pitch:
+        found = f"{len(series.axis)} rows over {np.ptp(series.axis):.4g}"
+        raise InputError(where, found, f"at least 8 rows over half a pitch of {pitch:.4g} rad (radians, not turns?)")
+    usual = float(np.median(np.diff(series.axis)))
+    if usual > pitch / SAMPLES_PER_PITCH:
+        raise InputError(where, f"a step of {usual:.4g}", f"up to a sixth of the pitch of {pitch:.4g} rad (radians, not degrees?)")
+    readings = {
+        "degrees": math.pi / 180.0,
+        "turns": 2.0 * math.pi,
+        "angles of the wheel": pair.ratio,
+    }
+    own = _mesh_share(series, 1.0, pitch)
+    for word, scale in readings.items():
+        other = _mesh_share(series, scale, pitch)
+        if abs(scale - 1.0) > 0.02 and other > 0.5 and own < 0.2 * other:
+            found = f"a mesh line that fits {word} ({other:.0%} of the variation; {own:.0%} for radians of the pinion)"
+            raise InputError(where, found, f"radians of the pinion, {pair.pinion.teeth} mesh cycles to the turn")
+
+
+def _mesh_share(series: Series, scale: float, pitch: float) -> float:
+    """Return the share of the fast variation that repeats with the mesh if the axis is stretched by `scale`."""
+    phase = 2.0 * math.pi * scale * series.axis / pitch
+    cycles = float(np.ptp(phase)) / (2.0 * math.pi)
+    if cycles < 4.0 or len(phase) < 6.0 * cycles:
+        return 0.0
+    wave = np.exp(1j * phase[:, None] * np.arange(1, 4))
+    slow = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, len(phase)), max(2, int(cycles / 2.0)) if cycles < 80 else 40)
+    basis, _ = np.linalg.qr(slow)
+    fast = series.value - basis @ (basis.T @ series.value)
+    columns = np.column_stack([wave.real, wave.imag])
+    columns -= basis @ (basis.T @ columns)
+    left = fast - columns @ np.linalg.lstsq(columns, fast, rcond=None)[0]
+    size = float(fast @ fast)
+    return 1.0 - float(left @ left) / size if size > 0.0 else 0.0
+
+
+def _check_speed(series: Series, quantity: Quantity) -> None:
+    for column, name, values in zip((0, 1), quantity.columns, (series.axis, series.value), strict=True):
+        wrong = np.flatnonzero(values <= 0.0)
+        if len(wrong):
+            row = int(wrong[0])
+            raise InputError(f"{series.row(row)}, column {name}", f"{values[row]:g}", "a number above 0" + (" rpm" if column == 0 else ""))
+    if series.value.max() < 0.5 or series.value.min() > 50.0:
+        found = f"{series.value.min():.3g} to {series.value.max():.3g}"
+        raise InputError(f"column {quantity.columns[1]}", found, "largest Kw of each speed, about 1 or above (a factor, not per cent)")
+
+
+def _check_teeth(series: Series) -> None:
+    odd = np.flatnonzero((series.axis != np.round(series.axis)) | (series.axis < 0.0))
+    if len(odd):
+        row = int(odd[0])
+        raise InputError(f"{series.row(row)}, column tooth", f"{series.axis[row]:g}", "whole numbers from 0")
+
+
+def _check_roll(series: Series, gear: Gear) -> None:
+    end = math.sqrt(gear.tip_radius**2 - gear.base_radius**2) / MM
+    low, high = float(series.axis[0]), float(series.axis[-1])
+    if low < -0.02 * end or high > 1.1 * end or high < 0.2 * end:
+        allowed = f"roll lengths from the base circle, 0 to {end:.4g} mm at the tip"
+        raise InputError("column roll_length_mm", f"{low:.4g} to {high:.4g}", allowed)
+    deepest = 0.5 * gear.module / UM
+    wrong = np.flatnonzero(np.abs(series.value) > deepest)
+    if len(wrong):
+        row = int(wrong[0])
+        found = f"{series.value[row]:g}"
+        raise InputError(f"{series.row(row)}, column deviation_um", found, f"up to half a module, {deepest:g} um either way")

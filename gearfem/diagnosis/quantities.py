@@ -1,0 +1,77 @@
+"""The quantities that a campaign may hold: their columns, and which keys their records need."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Literal
+
+from gearfem.foundation import Record
+from gearfem.foundation.units import factor
+
+Axis = Literal["angle", "speed", "roll", "tooth"]
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Quantity(Record):
+    """What was measured over what.
+
+    Parameters
+    ----------
+    name : str
+        As in campaign files.
+    axis : {"angle", "speed", "roll", "tooth"}
+        What it is measured over.
+    columns : (str, str)
+        Headings of the axis and of the value, each ending in its unit.
+    moving : bool
+        Whether the record was taken at speed, so that the dynamics shape it.
+    free_constant : bool
+        Whether an unknown constant is part of every record.
+    """
+
+    name: str
+    axis: Axis
+    columns: tuple[str, str]
+    moving: bool = False
+    free_constant: bool = False
+
+    @property
+    def of_gear(self) -> bool:
+        """Whether the record is of one gear, without torque or speed."""
+        return self.axis in ("roll", "tooth")
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value in files; empty for a dimensionless one."""
+        return UNITS[self.columns[1]]
+
+    @property
+    def factors(self) -> tuple[float, float]:
+        """SI values of one unit of the axis and of the value."""
+        return factor(self.columns[0]), factor(self.columns[1])
+
+
+UNITS = {
+    "transmission_error_um": "um",
+    "angular_acceleration_rad_per_s2": "rad/s2",
+    "dynamic_factor": "",
+    "mesh_stiffness_N_per_um": "N/um",
+    "deviation_um": "um",
+    "radial_deviation_um": "um",
+    "pitch_deviation_um": "um",
+}
+ANGLE = "pinion_angle_rad"
+TRANSMISSION_ERROR = (ANGLE, "transmission_error_um")
+QUANTITIES = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity(name="static_transmission_error", axis="angle", columns=TRANSMISSION_ERROR, free_constant=True),
+        Quantity(name="dynamic_transmission_error", axis="angle", columns=TRANSMISSION_ERROR, moving=True, free_constant=True),
+        Quantity(name="pinion_angular_acceleration", axis="angle", columns=(ANGLE, "angular_acceleration_rad_per_s2"), moving=True),
+        Quantity(name="dynamic_factor", axis="speed", columns=("pinion_speed_rpm", "dynamic_factor"), moving=True),
+        Quantity(name="mesh_stiffness", axis="angle", columns=(ANGLE, "mesh_stiffness_N_per_um")),
+        Quantity(name="flank_profile", axis="roll", columns=("roll_length_mm", "deviation_um")),
+        Quantity(name="radial_runout", axis="tooth", columns=("tooth", "radial_deviation_um"), free_constant=True),
+        Quantity(name="pitch_deviation", axis="tooth", columns=("tooth", "pitch_deviation_um"), free_constant=True),
+    )
+}

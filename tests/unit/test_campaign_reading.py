@@ -1,0 +1,214 @@
+"""Campaigns: what is read, what is repaired and listed, and what is refused with one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearfem.diagnosis import Campaign, read_campaign
+from gearfem.foundation import InputError
+
+MODEL = """
+[pair]
+module_mm = 2.5
+face_width_mm = 25.0
+[pinion]
+teeth = 23
+[wheel]
+teeth = 41
+[operation]
+pinion_torque_Nm = 120.0
+pinion_speed_rpm = 1000.0
+"""
+HEAD = 'model = "model.toml"\nangle_zero = "unknown"\n'
+TE = "pinion_angle_rad,transmission_error_um"
+PITCH = 2.0 * np.pi / 23.0
+
+
+def curve(seed: int, angle: np.ndarray, torque: float) -> np.ndarray:
+    """Return something like transmission error: a runout, a step in each pitch, noise."""
+    phase = angle / PITCH
+    step = 0.05 * torque * ((phase % 1.0) > 0.6)
+    return 0.1 * torque + 8.0 * np.sin(angle) + step + np.random.default_rng(seed).normal(0.0, 0.1, len(angle))
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "model.toml").write_text(MODEL)
+    return tmp_path
+
+
+@pytest.fixture
+def campaign(folder: Path) -> Callable[..., Campaign]:
+    """Write series and the tables of their records, and read the campaign."""
+
+    def make(*records: str, head: str = HEAD, **series: str) -> Campaign:
+        for name, text in series.items():
+            (folder / f"{name}.csv").write_text(text)
+        (folder / "campaign.toml").write_text(head + "".join(f"[[record]]\n{record}\n" for record in records))
+        return read_campaign(folder / "campaign.toml")
+
+    return make
+
+
+def static(name: str, torque: float, more: str = "") -> str:
+    return f'file = "{name}.csv"\nquantity = "static_transmission_error"\npinion_torque_Nm = {torque}\npinion_speed_rpm = 0.0\n{more}'
+
+
+def table(axis: np.ndarray, value: np.ndarray, head: str = TE) -> str:
+    return f"# a comment\n{head}\n" + "".join(f"{x:.9g},{y:.6g}\n" for x, y in zip(axis, value, strict=True))
+
+
+ANGLE = np.linspace(0.03, 14.0, 1801)
+
+
+def te(seed: int, torque: float) -> str:
+    return table(ANGLE, curve(seed, ANGLE, torque))
+
+
+def test_values_come_out_in_si(campaign: Callable[..., Campaign]) -> None:
+    kw = 'file = "b.csv"\nquantity = "dynamic_factor"\npinion_torque_Nm = 40.0\nrole = "fit"'
+    flank = 'file = "c.csv"\nquantity = "flank_profile"\ngear = "wheel"\ntooth = 40\nnoise_std = 0.5'
+    read = campaign(
+        static("a", 40.0, "noise_std = 0.1"),
+        kw,
+        flank,
+        a=te(1, 40.0),
+        b="pinion_speed_rpm,dynamic_factor\n600,1.2\n",
+        c="roll_length_mm,deviation_um\n9.0,0\n12.0,2\n",
+    )
+    first, second, third = read.records
+    assert first.axis == pytest.approx(ANGLE, rel=1e-8, abs=0.0)
+    assert first.value[0] == pytest.approx(curve(1, ANGLE, 40.0)[0] * 1e-6, rel=1e-4, abs=0.0)
+    assert first.noise_std == pytest.approx(1e-7, rel=1e-12, abs=0.0)
+    assert second.axis[0] == pytest.approx(20.0 * np.pi, rel=1e-12, abs=0.0)
+    assert (second.role_given, first.role_given) == (True, False)
+    assert third.axis[1] == pytest.approx(0.012, rel=1e-12, abs=0.0)
+    assert (third.gear, third.tooth, first.line[0], read.angle_known) == ("wheel", 40, 3, False)
+
+
+def test_program_holds_out_inside_the_range_and_says_so(campaign: Callable[..., Campaign]) -> None:
+    torques = {"a": 20.0, "b": 120.0, "c": 60.0}
+    read = campaign(
+        *(static(name, torque) for name, torque in torques.items()), **{n: te(i, t) for i, (n, t) in enumerate(torques.items())}
+    )
+    assert [record.role for record in read.records] == ["fit", "fit", "holdout"]
+    assert any(remark.record == "c.csv" and "held out by the program" in remark.sentence for remark in read.remarks)
+
+
+def test_two_torques_are_both_fitted(campaign: Callable[..., Campaign]) -> None:
+    read = campaign(static("a", 20.0), static("b", 60.0), a=te(1, 20.0), b=te(2, 60.0))
+    assert read.of("holdout") == ()
+
+
+def test_isolated_spike_is_masked_and_listed(campaign: Callable[..., Campaign]) -> None:
+    value = curve(1, ANGLE, 60.0)
+    value[700] += 25.0
+    read = campaign(static("a", 60.0), a=table(ANGLE, value))
+    assert np.flatnonzero(~read.records[0].keep).tolist() == [700]
+    fault = next(remark for remark in read.remarks if remark.kind == "spike")
+    assert fault.rows == (700,)
+    assert "row 701 (line 703)" in fault.sentence
+
+
+def test_steps_and_events_that_return_are_no_spikes(campaign: Callable[..., Campaign]) -> None:
+    value = curve(1, ANGLE, 600.0)
+    for turn in range(2):
+        value[np.argmin(np.abs(ANGLE - 4.0 - 2.0 * np.pi * turn))] += 25.0
+    read = campaign(static("a", 600.0), a=table(ANGLE, value))
+    assert read.records[0].keep.all()
+
+
+def test_single_missing_row_is_listed(campaign: Callable[..., Campaign]) -> None:
+    keep = np.delete(np.arange(len(ANGLE)), 500)
+    read = campaign(static("a", 60.0), a=table(ANGLE[keep], curve(1, ANGLE, 60.0)[keep]))
+    assert [remark.rows for remark in read.remarks if remark.kind == "missing_rows"] == [(500,)]
+
+
+def broken(change: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]) -> str:
+    return table(*change(ANGLE.copy(), curve(1, ANGLE, 60.0)))
+
+
+def swapped(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    angle[[900, 901]] = angle[[901, 900]]
+    return angle, value
+
+
+def many_spikes(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    rows = np.random.default_rng(3).choice(np.arange(20, 1780), 30, replace=False)
+    value[rows] += 60.0
+    return angle, value
+
+
+def wheel_angle(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return angle * 23.0 / 41.0, 10.0 * (np.sin(46.0 * angle / 2.0) > 0.3) + 0.01 * value
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (broken(swapped), ("row 902 (line 904), column pinion_angle_rad", "above that of the row before")),
+        (broken(lambda x, y: (np.delete(x, slice(400, 440)), np.delete(y, slice(400, 440)))), ("row 401", "a gap of")),
+        (broken(lambda x, y: (np.degrees(x), y)), ("column pinion_angle_rad", "degrees")),
+        (broken(wheel_angle), ("column pinion_angle_rad", "angles of the wheel")),
+        (broken(many_spikes), ("30 spikes", "isolated")),
+        (te(1, 60.0).replace("\n0.03,", "\n0.03,nan,", 1), ("row 1 (line 3)", "3 cells")),
+        (te(1, 60.0).replace("transmission_error_um", "transmission_error_mm"), ("header (line 2)", TE)),
+        (TE + "\n0.1,\n", ("row 1 (line 2), column transmission_error_um", "an empty cell")),
+        (TE + "\n0.1,nan\n", ("row 1 (line 2), column transmission_error_um", "nan")),
+        (TE + "\n0.1,1_0\n", ("1_0", "finite number")),
+        (TE + "\n", ("no row of numbers",)),
+        ("", ("header", "nothing")),
+    ],
+)
+def test_faults_are_refused_with_file_and_row(campaign: Callable[..., Campaign], text: str, words: tuple[str, ...]) -> None:
+    with pytest.raises(InputError) as refusal:
+        campaign(static("a", 60.0), a=text)
+    line = str(refusal.value)
+    assert "a.csv" in line
+    assert "\n" not in line
+    for word in words:
+        assert word in line
+
+
+def test_copies_are_refused_under_another_torque_and_constant(campaign: Callable[..., Campaign]) -> None:
+    value = curve(1, ANGLE, 60.0)
+    with pytest.raises(InputError, match=r"record\[2\] \(b.csv\).*the same data as record\[1\]"):
+        campaign(static("a", 60.0), static("b", 90.0), a=table(ANGLE, value), b=table(ANGLE, value + 3.0))
+
+
+@pytest.mark.parametrize(
+    ("head", "record", "words"),
+    [
+        (HEAD + "colour = 1\n", static("a", 60.0), ("colour", "an unknown key")),
+        (HEAD, static("a", 60.0, "torque = 1"), ("record[1].torque", "an unknown key")),
+        (HEAD, static("a", 60.0).replace("static_tr", "statick_tr"), ("record[1].quantity", "static_transmission_error")),
+        (HEAD, static("a", -1.0), ("record[1].pinion_torque_Nm", "above 0")),
+        (HEAD, static("a", 60.0).replace("static", "dynamic"), ("record[1].pinion_speed_rpm", "above 0 rpm")),
+        (HEAD, static("a", 60.0, 'role = "test"'), ("record[1].role", "holdout")),
+        (HEAD, static("a", 60.0, "tooth = 1"), ("record[1].tooth", "no such key")),
+        (HEAD, static("a", 60.0, "noise_std = nan"), ("record[1].noise_std", "above 0")),
+        (HEAD, static("missing", 60.0), ("missing.csv", "no such file")),
+        (HEAD, 'file = "a.csv"\nquantity = "flank_profile"\ngear = "wheel"\ntooth = 41', ("record[1].tooth", "0 to 40")),
+        (HEAD, 'file = "a.csv"\nquantity = "flank_profile"\ntooth = 1', ("record[1].gear", "pinion")),
+        ('model = "model.toml"\n', static("a", 60.0), ("angle_zero", "must be given")),
+        ('model = "other.toml"\nangle_zero = "unknown"\n', static("a", 60.0), ("other.toml", "no such file")),
+    ],
+)
+def test_wrong_keys_are_refused_by_name(campaign: Callable[..., Campaign], head: str, record: str, words: tuple[str, ...]) -> None:
+    with pytest.raises(InputError) as refusal:
+        campaign(record, head=head, a=te(1, 60.0))
+    for word in words:
+        assert word in str(refusal.value)
+
+
+def test_a_flank_may_have_gaps_but_not_metres(campaign: Callable[..., Campaign]) -> None:
+    flank = 'file = "a.csv"\nquantity = "flank_profile"\ngear = "wheel"\ntooth = 1'
+    roll = np.r_[np.linspace(9.0, 12.0, 30), np.linspace(15.0, 20.0, 40)]
+    read = campaign(flank, a=table(roll, 0.0 * roll, "roll_length_mm,deviation_um"))
+    assert read.records[0].keep.all()
+    with pytest.raises(InputError, match="roll lengths from the base circle"):
+        campaign(flank, a=table(roll / 1e3, 0.0 * roll, "roll_length_mm,deviation_um"))
