@@ -67,7 +67,7 @@ class Corner(NamedTuple):
             inside = (u >= ROUND) & (u <= LOADED_END)
             u = np.where(inside, u, ROUND)
             return inside, u, self.outline.edge_distance(u)
-        turn = direction - self.outline.normal_direction(self.outline.flank_start)
+        turn = direction - self.outline.flank_direction(self.outline.flank_start)
         inside = (turn >= 0.0) & (turn <= self.outline.undercut_turn)
         arc = -np.where(inside, turn, 0.0) * self.outline.gear.tip_edge_radius
         return inside, np.full_like(direction, FLANK), arc
@@ -127,7 +127,7 @@ def pinion_corner(flanks: Flanks, placement: Placement, corner: Corner, angle: A
     # Seen from the wheel, turned by half a turn: x from O2 to O1, y down.
     seen = np.stack([distance - centre[..., 0], -centre[..., 1]], axis=-1)
     axis2, roll2 = _axis_of_offset_involute(wheel, seen, corner.round)
-    direction = wheel.normal_direction(roll2) + axis2
+    direction = wheel.flank_direction(roll2) + axis2
     point = centre + corner.round * _unit(direction)
     # Travel on the involute by the roll length of the centre; on the round by the turn of the normal.
     roll_rate = distance * corner.radius * np.sin(polar) / (bounded(wheel, roll2) + corner.round)
@@ -262,7 +262,7 @@ def _touched(pinion: Outline, distance: float, corner: Corner, axis2: Array) -> 
     polar2 = axis2 + corner.lead
     centre = np.stack([distance - corner.radius * np.cos(polar2), -corner.radius * np.sin(polar2)], axis=-1)
     required, roll1 = _axis_of_offset_involute(pinion, centre, corner.round)
-    direction = pinion.normal_direction(roll1) + required
+    direction = pinion.flank_direction(roll1) + required
     return centre, required, roll1, direction, _ratio(distance, centre - corner.round * _unit(direction), direction)
 
 

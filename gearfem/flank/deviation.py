@@ -22,7 +22,8 @@ class Deviation(Record):
     """Metal missing from a flank along the normal of its nominal involute, positive into the tooth.
 
     Worn flanks, modifications and errors of form are one thing here: a cubic spline over the roll length, constant
-    beyond its ends. Deviations add node by node, so that those of several causes are their sum in any order.
+    before its first node and straight beyond its last, where a worn flank may still run on to its tip circle.
+    Deviations add node by node, so that those of several causes are their sum in any order.
 
     Parameters
     ----------
@@ -35,7 +36,7 @@ class Deviation(Record):
     --------
     >>> worn = Deviation(roll=np.linspace(0.0, 0.01, 5), depth=np.zeros(5)).plus(lambda roll: 1e-3 * roll)
     >>> f"{worn.at(0.005):.1e} {worn.slope(0.005):.1e} {worn.at(0.02):.1e}"
-    '5.0e-06 1.0e-03 1.0e-05'
+    '5.0e-06 1.0e-03 2.0e-05'
     """
 
     roll: Array
@@ -57,17 +58,18 @@ class Deviation(Record):
 
     def at(self, roll: ArrayLike) -> Array:
         """Return the depth [m] at roll lengths [m]."""
-        return np.asarray(self._spline(np.clip(roll, self.roll[0], self.roll[-1])))
+        roll = np.asarray(roll, float)
+        last = self.roll[-1]
+        return np.asarray(self._inside(roll, 0) + np.maximum(roll - last, 0.0) * self._spline(last, 1))
 
     def slope(self, roll: ArrayLike) -> Array:
         """Return the first derivative over the roll length."""
-        return self._derivative(roll, 1)
+        return np.where(np.asarray(roll) >= self.roll[0], self._inside(roll, 1), 0.0)
 
     def bend(self, roll: ArrayLike) -> Array:
         """Return the second derivative over the roll length [1/m]."""
-        return self._derivative(roll, 2)
-
-    def _derivative(self, roll: ArrayLike, order: int) -> Array:
         roll = np.asarray(roll, float)
-        inside = (roll >= self.roll[0]) & (roll <= self.roll[-1])
-        return np.where(inside, self._spline(np.clip(roll, self.roll[0], self.roll[-1]), order), 0.0)
+        return np.where((roll >= self.roll[0]) & (roll <= self.roll[-1]), self._inside(roll, 2), 0.0)
+
+    def _inside(self, roll: ArrayLike, order: int) -> Array:
+        return np.asarray(self._spline(np.clip(roll, self.roll[0], self.roll[-1]), order))

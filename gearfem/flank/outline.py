@@ -1,4 +1,4 @@
-"""The outline of one side of an unworn tooth: root arc, fillet, involute, tip round, tip arc."""
+"""The outline of one side of a tooth: root arc, fillet, flank, tip round, tip arc."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from gearfem.definition.setup import Gear
+from gearfem.flank.deviation import Deviation
+from gearfem.flank.fillet import Fillet
+from gearfem.flank.involute import Involute, Side, WornInvolute, no_round
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import MM
 
@@ -26,26 +28,29 @@ class Outline(Record):
     The tooth's axis of symmetry is the x axis, the gear's centre the origin, and the side with y > 0 is
     described; the other side is its mirror image. The parameter runs over five segments of unit length:
     root arc [0, 1], fillet [1, 2], flank [2, 3], tip round [3, 4] and tip arc [4, 5]. On the flank u is
-    linear in the roll length, on the fillet in the direction of the rack's normal, on the arcs in the angle.
+    linear in the roll length of the nominal involute, on the fillet in the direction of the rack's normal, on the arcs
+    in the angle.
 
     Parameters
     ----------
     gear : Gear
         The gear whose tooth this is.
+    deviation : Deviation, optional
+        Metal missing from the flank; None or depth 0 leaves the involute.
 
     Raises
     ------
     InputError
-        If the rack's tip round is too large for its tooth, the tip is pointed, or the tip round does not fit.
+        If the rack's tip round is too large for its tooth, the tip is pointed, the tip round does not fit, or the
+        deviation is out of its bounds.
 
     Notes
     -----
-    Involute: Wojnarowski & Onishchenko (2003), eq. 1, moved to the gear's centre. Fillet: envelope of the
-    rack's tip round, derived here. In the frame that rolls, the round of radius rho has its centre
-    (zeta_c, eta_c) from the pitch line and the middle of the space; its point with the normal d =
-    (-cos b, sin b) generates the fillet when the normal passes through the pitch point:
-    r psi = -zeta_c tan b - eta_c. b runs from 0 (root circle) to pi/2 - alpha (flank of the rack), where
-    the fillet meets the involute unless it undercuts it; then both end where they cross.
+    Involute and worn flank: `gearfem.flank.involute`. The tip circle and the radius of the tip round stay; the round is
+    fitted anew between worn flank and tip circle. Fillet: `gearfem.flank.fillet`, the trochoid of the rack's rounded tip.
+    Under a worn flank it is moved by the displacement of its upper end times 3 p^2 - 2 p^3 over its part p, which
+    keeps the outline closed; its tangent meets that of the flank up to the slope of the deviation there. No contact is
+    sought on it.
 
     Examples
     --------
@@ -59,130 +64,93 @@ class Outline(Record):
     """
 
     gear: Gear
+    deviation: Deviation | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         gear = self.gear
-        if self._round_tangential < -1e-12 * gear.module:
-            limit = self._largest_rack_tip_radius()
+        if self._cut.round_tangential < -1e-12 * gear.module:
             found = f"{gear.rack.tip_radius:g} modules"
+            limit = self._cut.largest_rack_tip_radius
             raise InputError("rack.tip_radius", found, f"at most {limit:.4f} modules, where the rack's tip has no land left")
         if gear.half_angle(gear.tip_radius) <= 0.0:
             allowed = "a tip circle on which the tooth still has a thickness: the tooth is pointed below it"
             raise InputError("tip_radius_mm", f"{gear.tip_radius / MM:.4f} mm", allowed)
-        below = gear.tip_radius - gear.tip_edge_radius <= gear.base_radius
-        if below or self.flank_end <= self.flank_start or self._round_angle <= 0.0:
-            raise InputError("tip_edge_radius_mm", f"{gear.tip_edge_radius / MM:g} mm", "a radius that leaves a flank and a tip land")
-
-    # ---- rack tip round -------------------------------------------------------------------------
-
-    @cached_property
-    def _rack_tip_radius(self) -> float:
-        return self.gear.rack.tip_radius * self.gear.module
+        unworn_end, unworn_angle = Involute(gear=gear).end(0.0)
+        if unworn_end <= self._cut.end[1] or unworn_angle <= 0.0:
+            raise no_round(gear)
+        if self._round_angle <= 0.0:
+            found = f"a depth of {float(self.deviation.at(self.flank_end)) / MM:.4g} mm at the tip" if self.deviation else "a depth"
+            raise InputError("deviation", found, "a depth that leaves this side of the tooth a land: the tip gets pointed")
 
     @cached_property
-    def _round_height(self) -> float:
-        """Centre of the rack's tip round above the pitch line (zeta_c)."""
-        return self.gear.root_radius - self.gear.reference_radius + self._rack_tip_radius
+    def _side(self) -> Side:
+        if self.deviation is None or not self.deviation.depth.any():
+            return Involute(gear=self.gear)
+        return WornInvolute(gear=self.gear, deviation=self.deviation)
+
+    @property
+    def worn(self) -> bool:
+        """Whether metal is missing from the involute, or stands out."""
+        return isinstance(self._side, WornInvolute)
+
+    # ---- fillet ---------------------------------------------------------------------------------
 
     @cached_property
-    def _round_tangential(self) -> float:
-        """Centre of the rack's tip round from the middle of the space (eta_c)."""
-        gear = self.gear
-        alpha, shift = gear.pressure_angle, gear.profile_shift * gear.module
-        half_datum = math.pi * gear.module / 4.0 + gear.flank_thinning / math.cos(alpha)
-        depth = shift - self._round_height
-        return half_datum - depth * math.tan(alpha) - self._rack_tip_radius / math.cos(alpha)
-
-    def _largest_rack_tip_radius(self) -> float:
-        alpha = self.gear.pressure_angle
-        slope = (1.0 - math.sin(alpha)) / math.cos(alpha)
-        return (self._round_tangential + self._rack_tip_radius * slope) / slope / self.gear.module
-
-    def _trochoid(self, direction: Array) -> tuple[Array, Array]:
-        """Return fillet points in the tooth's frame and the rolling angle, for normal directions b [rad]."""
-        gear = self.gear
-        rolled = (-self._round_height * np.tan(direction) - self._round_tangential) / gear.reference_radius
-        x = gear.reference_radius + self._round_height - self._rack_tip_radius * np.cos(direction)
-        y = -self._round_height * np.tan(direction) + self._rack_tip_radius * np.sin(direction)
-        # Turn from the rack's frame into that of the space, then mirror into that of the tooth.
-        polar = np.pi / gear.teeth - (np.arctan2(y, x) - rolled)
-        return np.stack([np.hypot(x, y), polar], axis=-1), rolled
-
-    @cached_property
-    def _fillet_end(self) -> tuple[float, float]:
-        """Last normal direction b of the fillet and the roll length of the involute there."""
-        gear = self.gear
-        last = math.pi / 2.0 - gear.pressure_angle
-        sine = math.sin(gear.pressure_angle)
-        roll = gear.reference_radius * sine + self._round_height / sine - self._rack_tip_radius
-        if roll > 0.0:
-            return last, roll
-
-        def beyond(direction: float) -> float:
-            """Angle by which the fillet stands outside the involute; negative where it cuts into it."""
-            (radius, polar), _ = self._trochoid(np.array(direction))
-            return float(polar - gear.half_angle(max(radius, gear.base_radius)))
-
-        def above_base(direction: float) -> float:
-            return float(self._trochoid(np.array(direction))[0][0]) - gear.base_radius
-
-        # Undercut: on the base circle the trochoid lies inside the involute, at its end outside; between, they cross.
-        first = float(brentq(above_base, 0.0, last, xtol=1e-15))
-        cross = float(brentq(beyond, first, last, xtol=1e-15)) if beyond(first) < 0.0 else first
-        radius = float(self._trochoid(np.array(cross))[0][0])
-        return cross, math.sqrt(max(radius**2 - gear.base_radius**2, 0.0))
+    def _cut(self) -> Fillet:
+        return Fillet(gear=self.gear)
 
     @property
     def undercut(self) -> bool:
         """Whether the fillet cuts into the involute."""
-        return self._fillet_end[0] < math.pi / 2.0 - self.gear.pressure_angle
+        return self._cut.undercut
 
     @property
     def undercut_turn(self) -> float:
-        """Angle [rad] by which the outline turns at the edge between fillet and involute; 0 without undercut."""
-        last, roll = self._fillet_end
-        rolled = float(self._trochoid(np.array(last))[1])
-        return max(math.pi / self.gear.teeth + rolled + last - float(self.normal_direction(roll)), 0.0)
+        """Angle [rad] by which the outline turns at the edge between fillet and flank; 0 without undercut."""
+        last, _ = self._cut.end
+        rolled = float(self._cut.place(np.array(last))[1])
+        return max(math.pi / self.gear.teeth + rolled + last - float(self.flank_direction(self.flank_start)), 0.0)
 
     # ---- flank and tip round --------------------------------------------------------------------
 
-    @property
+    @cached_property
     def flank_start(self) -> float:
-        """Roll length [m] at which the involute begins (form circle)."""
-        return self._fillet_end[1]
+        """Roll length [m] at which the flank begins (form circle)."""
+        return self._side.start(self._cut.end[1])
 
     @property
     def form_radius(self) -> float:
-        """Root form radius [m], where fillet and involute meet."""
-        return math.hypot(self.gear.base_radius, self.flank_start)
+        """Root form radius [m], where fillet and flank meet; wear leaves it."""
+        return math.hypot(self.gear.base_radius, self._cut.end[1])
 
     @cached_property
+    def _end(self) -> tuple[float, float]:
+        return self._side.end(self.flank_start)
+
+    @property
     def flank_end(self) -> float:
-        """Roll length [m] at which the involute passes into the tip round."""
-        gear = self.gear
-        return math.sqrt((gear.tip_radius - gear.tip_edge_radius) ** 2 - gear.base_radius**2) + gear.tip_edge_radius
+        """Roll length [m] at which the flank passes into the tip round."""
+        return self._end[0]
 
     @property
     def flank_end_radius(self) -> float:
-        """Tip form radius [m], where the involute passes into the tip round."""
-        return math.hypot(self.gear.base_radius, self.flank_end)
+        """Tip form radius [m], where the flank passes into the tip round."""
+        return float(self._side.place(np.array(self.flank_end))[0])
 
-    @cached_property
+    @property
     def _round_angle(self) -> float:
-        """Polar angle of the centre of the tip round: on the circle r_a - rho and on the involute moved in by rho."""
-        gear = self.gear
-        radius = gear.tip_radius - gear.tip_edge_radius
-        return gear.half_angle(radius) - gear.tip_edge_radius / gear.base_radius
+        """Polar angle of the centre of the tip round."""
+        return self._end[1]
 
     @cached_property
     def _round_start(self) -> Array:
         """Direction of the normal at the junction of flank and tip round."""
-        return self.normal_direction(self.flank_end)
+        return self.flank_direction(self.flank_end)
 
-    def normal_direction(self, roll: ArrayLike) -> Array:
-        """Return the polar angle [rad] of the outward normal at roll lengths [m]; it touches the base circle."""
-        return self.gear.base_half_angle - np.asarray(roll, float) / self.gear.base_radius + np.pi / 2.0
+    def flank_direction(self, roll: ArrayLike) -> Array:
+        """Return the polar angle [rad] of the flank's outward normal at roll lengths [m]."""
+        return self._side.direction(np.asarray(roll, float))
 
     # ---- the curve ------------------------------------------------------------------------------
 
@@ -197,9 +165,26 @@ class Outline(Record):
     def edge_distance(self, u: ArrayLike) -> Array:
         """Return the arc [m] from points of flank and tip round to where the round begins, negative on the round."""
         u = np.asarray(u, float)
-        on_flank = (self.flank_end**2 - self.roll_length(u) ** 2) / (2.0 * self.gear.base_radius)
+        on_flank = self._side.arc(self.roll_length(u), self.flank_end)
         on_round = (ROUND - u) * (self._round_start - self._round_angle) * self.gear.tip_edge_radius
         return np.where(u <= ROUND, on_flank, on_round)
+
+    def stretch(self, u: ArrayLike) -> Array:
+        """Return the arc [m] towards the tip per parameter, on flank and tip round."""
+        u = np.asarray(u, float)
+        on_flank = self._side.speed(self.roll_length(u)) * (self.flank_end - self.flank_start)
+        return np.where(u <= ROUND, on_flank, (self._round_start - self._round_angle) * self.gear.tip_edge_radius)
+
+    def at_radius(self, radius: ArrayLike) -> Array:
+        """Return u of flank and tip round at radii [m], which count as form or tip radius beyond them."""
+        bounded: Array = np.clip(np.asarray(radius, float), self.form_radius, self.gear.tip_radius)
+        u = self.parameter(self._side.roll_at(np.minimum(bounded, self.flank_end_radius)))
+        over = bounded > self.flank_end_radius
+        if over.any():
+            edge, centre = self.gear.tip_edge_radius, self.round_centre[1]
+            cosine = (bounded[over] ** 2 - centre**2 - edge**2) / (2.0 * centre * edge)
+            u[over] = np.maximum(self.round_parameter(self._round_angle + np.arccos(np.minimum(cosine, 1.0))), ROUND)
+        return u
 
     @property
     def round_centre(self) -> tuple[float, float]:
@@ -246,8 +231,7 @@ class Outline(Record):
         if u.size and u.min() < FLANK:
             raise ValueError(f"curvature is defined on flank and tip, u >= 2, not at u = {u.min():g}")
         gear = self.gear
-        with np.errstate(divide="ignore"):
-            flank = 1.0 / self.roll_length(u)
+        flank = self._side.curvature(self.roll_length(u))
         return np.where(u <= ROUND, flank, np.where(u <= TIP, 1.0 / gear.tip_edge_radius, 1.0 / gear.tip_radius))
 
     def _evaluate(self, u: ArrayLike) -> tuple[Array, Array]:
@@ -257,7 +241,7 @@ class Outline(Record):
             raise ValueError(f"the outline's parameter runs from 0 to 5, not to {u.min():g} or {u.max():g}")
         points = np.empty((*u.shape, 2))
         normals = np.empty(u.shape)
-        pieces = (self._root_arc, self._fillet, self._involute, self._tip_round, self._tip_arc)
+        pieces = (self._root_arc, self._fillet, self._flank, self._tip_round, self._tip_arc)
         segment = np.clip(u.astype(int), 0, 4)
         for number, piece in enumerate(pieces):
             inside = segment == number
@@ -267,21 +251,26 @@ class Outline(Record):
 
     def _root_arc(self, part: Array) -> tuple[Array, Array]:
         start = np.pi / self.gear.teeth
-        polar = start - part * self._round_tangential / self.gear.reference_radius
+        polar = start - part * self._cut.round_tangential / self.gear.reference_radius
         return _polar(np.full_like(polar, self.gear.root_radius), polar), polar
 
     def _fillet(self, part: Array) -> tuple[Array, Array]:
-        direction = part * self._fillet_end[0]
-        points, rolled = self._trochoid(direction)
+        last = self._cut.end[0]
+        places, rolled = self._cut.place(part * last)
         # The rack's normal (-cos b, sin b) points into the gear; outward is its opposite, turned and mirrored as the points are.
-        return _polar(points[:, 0], points[:, 1]), np.pi / self.gear.teeth + rolled + direction
+        points, normals = _polar(places[:, 0], places[:, 1]), np.pi / self.gear.teeth + rolled + part * last
+        if not self.worn:
+            return points, normals
+        end, _ = self._cut.place(np.array(last))
+        moved = self._flank(np.array([0.0]))[0][0] - _polar(end[0], end[1])
+        along = self._cut.speed(part * last)[:, None] * last * _polar(np.ones_like(normals), normals - np.pi / 2.0)
+        along = along + 6.0 * (part * (1.0 - part))[:, None] * moved
+        points = points + (part**2 * (3.0 - 2.0 * part))[:, None] * moved
+        return points, np.arctan2(along[:, 1], along[:, 0]) + np.pi / 2.0
 
-    def _involute(self, part: Array) -> tuple[Array, Array]:
-        gear = self.gear
+    def _flank(self, part: Array) -> tuple[Array, Array]:
         roll = self.roll_length(part + FLANK)
-        ratio = roll / gear.base_radius
-        polar = gear.base_half_angle - (ratio - np.arctan(ratio))
-        return _polar(np.hypot(gear.base_radius, roll), polar), self.normal_direction(roll)
+        return _polar(*self._side.place(roll)), self._side.direction(roll)
 
     def _tip_round(self, part: Array) -> tuple[Array, Array]:
         direction = self._round_start + part * (self._round_angle - self._round_start)
