@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike
 
 from gearfem.compliance.elasticity import QUADRATURE, Plane, PlaneStrain, stiffness
 from gearfem.compliance.field import Field, make_field
+from gearfem.compliance.harmonic_ring import HarmonicRing
 from gearfem.compliance.load_lines import LoadLines, covered, forces, load_lines, readings
 from gearfem.compliance.local_depth import local_depth
 from gearfem.compliance.patchwork import refuse_folds
 from gearfem.compliance.record import ComplianceCurve, ToothCompliance
-from gearfem.compliance.ring import Ring, one_thread
+from gearfem.compliance.ring import one_thread
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.compliance.supports import Bore, Structure, Support
 from gearfem.flank import Outline
@@ -260,7 +261,7 @@ def _curve(method: FiniteElements, outline: Outline, u: Array) -> ComplianceCurv
 def _tooth(method: FiniteElements, outline: Outline, u: Array, offsets: tuple[int, ...]) -> ToothCompliance:
     with one_thread():
         loaded = method._loaded(outline, u)
-        if not isinstance(loaded.structure, Ring):
+        if not isinstance(loaded.structure, HarmonicRing):
             raise InputError("support", method.support.name, "bore: a tooth held at its root is not coupled to its neighbours")
         coupling = loaded.structure.coupling(loaded.load, offsets)
         depth = method._local_depth(outline, loaded)

@@ -8,8 +8,8 @@ import numpy as np
 
 from gearfem.compliance.elasticity import Plane
 from gearfem.compliance.load_lines import LoadLines, edge_shape
-from gearfem.compliance.patchwork import Ids, mirror_images
-from gearfem.compliance.section_mesh import SectionMesh
+from gearfem.compliance.patchwork import Ids
+from gearfem.compliance.section_mesh import SectionMesh, unworn
 from gearfem.definition.setup import Material
 from gearfem.flank import Outline
 from gearfem.foundation import Array
@@ -82,16 +82,15 @@ def local_depth(section: SectionMesh, outline: Outline, lines: LoadLines, moved:
 
 
 def outline_boundary(section: SectionMesh, outline: Outline) -> Boundary:
-    """Return the free boundary of a section and its cuts: loads on one side, its mirror image, then the cuts."""
+    """Return the free boundary of a section and its cuts: the loaded side, the idle one, then the cuts."""
     shape = edge_shape(STATIONS)
     side, cuts = _edges(section.outline), [_edges(section.lower), _edges(section.upper)[:, ::-1]]
     u = _edges(section.outline_u) @ shape.T
-    places = outline.point(u)
-    mirrored = mirror_images(section.mesh.doflocs)[side[:, ::-1]]
+    places, idle = outline.point(u), unworn(outline).point(u)
     straight = [np.einsum("si,eij->esj", shape, section.mesh.doflocs.T[cut]) for cut in cuts]
-    places = np.concatenate([places, places[:, ::-1] * [1.0, -1.0], *straight])
+    places = np.concatenate([places, idle[:, ::-1] * [1.0, -1.0], *straight])
     rest = np.full((len(places) - len(side), len(STATIONS)), np.inf)
-    return Boundary(np.concatenate([side, mirrored, *cuts]), places, np.concatenate([u, rest]))
+    return Boundary(np.concatenate([side, _edges(section.idle)[:, ::-1], *cuts]), places, np.concatenate([u, rest]))
 
 
 def boundary_forces(boundary: Boundary, lines: LoadLines, size: int) -> Array:

@@ -58,14 +58,14 @@ def fractions(side: Array) -> Array:
 
 @dataclasses.dataclass(frozen=True)
 class Patchwork:
-    """Patches and their mirror images in y = 0, as one second-order mesh.
+    """Patches above and below y = 0 as one second-order mesh.
 
     Parameters
     ----------
     mesh : skfem.MeshQuad2
         The mesh; its nodes are the degrees of freedom of the biquadratic element.
     above, below : tuple of ndarray, shape (n, m)
-        Numbers of the nodes of each patch, and of its mirror image.
+        Numbers of the nodes of each patch, and of its counterpart below.
     """
 
     mesh: Any
@@ -73,21 +73,24 @@ class Patchwork:
     below: tuple[Ids, ...]
 
 
-def join(patches: tuple[Array, ...]) -> Patchwork:
-    """Join patches of the upper half plane and their mirror images into one mesh.
+def join(patches: tuple[Array, ...], mirrored: tuple[Array, ...] | None = None) -> Patchwork:
+    """Join patches of the upper half plane and mirror images below it into one mesh.
 
     Parameters
     ----------
     patches : tuple of ndarray, shape (2 n + 1, 2 m + 1, 2)
         Corner, mid-side and centre nodes of n by m elements, the second direction clockwise from the first (first
         away from the axis, second towards the tip); points shared by patches are equal bit for bit, points of the axis have y = 0.
+    mirrored : tuple of ndarray, optional
+        Patches of the same shapes whose mirror images lie below, with the same points on the axis; by default `patches`.
 
     Returns
     -------
     Patchwork
     """
     # Adding 0.0 turns the -0.0 of mirrored axis points into 0.0.
-    points = np.concatenate([*(p.reshape(-1, 2) for p in patches), *(p.reshape(-1, 2) * [1.0, -1.0] + 0.0 for p in patches)])
+    below = patches if mirrored is None else mirrored
+    points = np.concatenate([*(p.reshape(-1, 2) for p in patches), *(p.reshape(-1, 2) * [1.0, -1.0] + 0.0 for p in below)])
     distinct, number = np.unique(points[:, 0] + 1j * points[:, 1], return_inverse=True)
     shapes = [p.shape[:2] for p in patches] * 2
     ends = np.cumsum([n * m for n, m in shapes])

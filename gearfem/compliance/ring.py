@@ -12,6 +12,7 @@ from scipy.sparse.linalg import splu
 from threadpoolctl import threadpool_limits
 
 from gearfem.compliance.dissection import Trailing, dissect
+from gearfem.compliance.harmonic_ring import HarmonicRing
 from gearfem.compliance.patchwork import Ids, mirror_images
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.foundation import Array, SolveError
@@ -55,7 +56,7 @@ def factorise(matrix: Any) -> Any:
         raise SolveError(f"the stiffness matrix cannot be factorised ({error}); check bore radius and material") from None
 
 
-class Ring:
+class Ring(HarmonicRing):
     """The ring of `teeth` equal sectors, held on the bore, loaded on one of them.
 
     Parameters
@@ -71,12 +72,6 @@ class Ring:
 
     Notes
     -----
-    On a cut, displacements are counted in radial and tangential direction, so that the upper cut of sector k and the lower cut
-    of sector k + 1 share the unknowns v_k. With the sector's Schur complement S, the sum of forces at cut k is
-    S_ul v_(k-1) + (S_uu + S_ll) v_k + S_lu v_(k+1) = f_k. The discrete Fourier transform turns it into
-    (S_ul exp(-i t) + S_uu + S_ll + S_lu exp(i t)) v_n = f_n, t = 2 pi n / teeth, one small system for each
-    harmonic n = 0 ... teeth/2 (the rest are complex conjugates).
-
     The sector is split into motions even and odd under its mirror: two problems of half the size on the upper half. With
     their Schur complements S_e, S_o, A = (S_e + S_o)/2, B = (S_e - S_o)/2 and J = diag(1, -1) for (radial, tangential),
     S_uu = A, S_ll = J A J, S_ul = B J. Counting tangential displacements in the unit i makes every system real:
@@ -88,7 +83,7 @@ class Ring:
         self.teeth, self._nodes = teeth, nodes
         cut = section.upper[~np.isin(section.upper, section.held)]
         fixed = np.isin(np.arange(nodes), section.held)
-        self._cut = cut
+        self.cut = cut
         axis = section.mesh.doflocs[1] == 0.0
         wanted = np.concatenate([section.outline, section.centreline]) if ports is None else ports
         ports = np.setdiff1d(wanted, np.concatenate([cut, section.held]))
@@ -107,19 +102,39 @@ class Ring:
         self._schur = [self._polar.T @ half.factors.schur @ self._polar for half in self._halves]
 
     @cached_property
-    def _harmonics(self) -> tuple[NDArray[np.complex128], Array]:
-        """Phases exp(i t) of the harmonics 0 ... teeth/2 and the inverse matrices of their real systems."""
+    def _inverse(self) -> Array:
+        """Inverse matrices of the real systems of all harmonics."""
         even, odd = self._schur
         a, b = (even + odd) / 4.0, (even - odd) / 4.0
         c = len(a) // 2
-        phase: NDArray[np.complex128] = np.exp(2j * np.pi / self.teeth * np.arange(self.teeth // 2 + 1))
-        cosine, sine = phase.real[:, None, None], phase.imag[:, None, None]
-        systems = np.empty((len(phase), 2 * c, 2 * c))
+        cosine, sine = self.phase.real[:, None, None], self.phase.imag[:, None, None]
+        systems = np.empty((len(self.phase), 2 * c, 2 * c))
         systems[:, :c, :c] = a[:c, :c] + cosine * b[:c, :c]
         systems[:, c:, c:] = a[c:, c:] - cosine * b[c:, c:]
         systems[:, :c, c:] = -sine * b[:c, c:]
         systems[:, c:, :c] = systems[:, :c, c:].swapaxes(1, 2)
-        return phase, np.asarray(np.linalg.inv(2.0 * systems), dtype=float)
+        return np.asarray(np.linalg.inv(2.0 * systems), dtype=float)
+
+    @property
+    def schur(self) -> Array:
+        """Stiffness of one sector seen at its two cuts, lower cut first, shape (4 c, 4 c)."""
+        a, b = (self._schur[0] + self._schur[1]) / 2.0, (self._schur[0] - self._schur[1]) / 2.0
+        flip = self._flip
+        return np.asarray(np.block([[flip * a * flip.T, flip * b], [b * flip.T, a]])) / 2.0
+
+    def respond(self, load: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Return the displacements of a cut in all harmonics under loads on it, shape (h, 2 c, k)."""
+        cases = load.shape[2]
+        unit = np.repeat([1.0, 1.0j], load.shape[1] // 2)[:, None]
+        load = load * unit.conj()
+        parts = self._inverse @ np.concatenate([load.real, load.imag], axis=2)
+        moved: NDArray[np.complex128] = (parts[:, :, :cases] + 1j * parts[:, :, cases:]) * unit
+        return moved
+
+    def own(self, load: Array, reading: Array) -> Array:
+        """Return what each reading shows under the load of the same column while both cuts are held, shape (k,)."""
+        shown: Array = np.sum([(half.forward(load)[0] * half.forward(reading)[0]).sum(axis=0) for half in self._halves], axis=0)
+        return shown
 
     def condense(self, load: Array) -> Array:
         """Return what loads on a sector are worth on its two cuts, lower cut first.
@@ -137,86 +152,6 @@ class Ring:
             raise ValueError("loads and readings belong on the ports of the ring")
         even, odd = (self._polar.T @ half.forward(load)[1] for half in self._halves)
         return np.concatenate([self._flip * (even - odd), even + odd]) / 2.0
-
-    def cuts(self, condensed: Array, offsets: tuple[int, ...]) -> Array:
-        """Return the displacements of the two cuts of several sectors under loads on sector 0.
-
-        Parameters
-        ----------
-        condensed : ndarray, shape (4 c, k)
-            Loads as `condense` returns them.
-        offsets : tuple of int
-            Numbers of the sectors, counted towards positive polar angles.
-
-        Returns
-        -------
-        ndarray, shape (len(offsets), 4 c, k)
-        """
-        size, cases = len(condensed) // 2, condensed.shape[1]
-        phase, inverse = self._harmonics
-        unit = np.repeat([1.0, 1.0j], size // 2)[:, None]
-        # Cut k is the upper one of sector k: the lower cut of the loaded sector is number -1.
-        load = (condensed[size:] + phase[:, None, None] * condensed[:size]) * unit.conj()
-        parts = inverse @ np.concatenate([load.real, load.imag], axis=2)
-        spectrum = (parts[:, :, :cases] + 1j * parts[:, :, cases:]) * unit
-        count = np.full(len(phase), 2.0)
-        count[0] = 1.0
-        if self.teeth % 2 == 0:
-            count[-1] = 1.0
-        wanted = np.unique([k for o in offsets for k in (o - 1, o)])
-        weight = count * phase ** wanted[:, None] / self.teeth
-        at = dict(zip(wanted.tolist(), np.tensordot(weight, spectrum, axes=1).real, strict=True))
-        return np.stack([np.concatenate([at[o - 1], at[o]]) for o in offsets])
-
-    def deflection(self, load: Array, reading: Array) -> Array:
-        """Return what each reading shows under the load of the same column, shape (k,).
-
-        Parameters
-        ----------
-        load, reading : ndarray, shape (2 n, k)
-            Nodal forces and weights of nodal displacements, both on ports of sector 0.
-        """
-        follows = self.cuts(self.condense(load), (0,))[0]
-        own = sum((half.forward(load)[0] * half.forward(reading)[0]).sum(axis=0) for half in self._halves)
-        total: Array = own + (self.condense(reading) * follows).sum(axis=0)
-        return total
-
-    def coupling(self, load: Array, offsets: tuple[int, ...]) -> Array:
-        """Return the displacements of other sectors, weighted as the loads are, under the loads on sector 0.
-
-        Parameters
-        ----------
-        load : ndarray, shape (2 n, k)
-            Nodal forces, and weights of the displacements in the frame of the other sector.
-        offsets : tuple of int
-            Numbers of the other sectors, 0 excluded.
-
-        Returns
-        -------
-        ndarray, shape (len(offsets), k, k)
-            Reading i under load j.
-        """
-        condensed = self.condense(load)
-        table: Array = condensed.T @ self.cuts(condensed, offsets)
-        return table
-
-    def wind_up(self, load: Array) -> tuple[Ids, Array]:
-        """Return nodes of a cut and their tangential displacements under loads shared evenly by all sectors.
-
-        Parameters
-        ----------
-        load : ndarray, shape (2 n, k)
-            Nodal forces on one sector, of which each sector takes its part of 1/teeth: harmonic 0 of the loads.
-
-        Returns
-        -------
-        nodes : ndarray of int, shape (c,)
-        displacement : ndarray, shape (c, k)
-            Towards growing polar angles [m].
-        """
-        condensed, size = self.condense(load), len(self._flip)
-        moved = self._harmonics[1][0] @ (condensed[:size] + condensed[size:])
-        return self._cut, moved[size // 2 :] / self.teeth
 
     def displacements(self, load: Array, offsets: tuple[int, ...]) -> Array:
         """Return nodal displacements of several sectors, each in its own frame, shape (len(offsets), 2 n, k)."""

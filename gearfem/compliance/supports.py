@@ -6,9 +6,11 @@ import dataclasses
 from typing import Any, ClassVar, Protocol
 
 from gearfem.compliance.alone import Alone
+from gearfem.compliance.harmonic_ring import HarmonicRing
 from gearfem.compliance.patchwork import Ids
 from gearfem.compliance.ring import Ring
 from gearfem.compliance.section_mesh import SectionMesh, root_mesh, sector_mesh
+from gearfem.compliance.uneven_ring import Sector, UnevenRing
 from gearfem.flank import Outline
 from gearfem.foundation import Array, Record
 
@@ -48,9 +50,11 @@ class Bore(Record):
         """Return the mesh of one sector."""
         return sector_mesh(outline, resolution)
 
-    def structure(self, section: SectionMesh, stiffness: Any, teeth: int, ports: Ids | None = None) -> Ring:
+    def structure(self, section: SectionMesh, stiffness: Any, teeth: int, ports: Ids | None = None) -> HarmonicRing:
         """Return the ring of all sectors."""
-        return Ring(section, stiffness, teeth, ports)
+        if section.symmetric:
+            return Ring(section, stiffness, teeth, ports)
+        return UnevenRing(Sector(section, stiffness, teeth, ports), teeth)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -27,6 +27,7 @@ def strip(length: float, along: int, across: int = 4) -> SectionMesh:
         mesh=work.mesh,
         outline=upper[-1],
         outline_u=np.linspace(2.0, 3.0, upper.shape[1]),
+        idle=lower[-1],
         centreline=upper[0],
         held=np.unique(np.concatenate([upper[:, 0], lower[:, 0]])),
         upper=none,

@@ -28,6 +28,7 @@ def beam(length: float, height: float, along: int, across: int) -> SectionMesh:
         mesh=work.mesh,
         outline=grid[-1],
         outline_u=part,
+        idle=mirror[-1],
         centreline=grid[0],
         held=np.unique(np.concatenate([grid[:, 0], mirror[:, 0]])),
         upper=none,
