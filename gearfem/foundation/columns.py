@@ -1,0 +1,103 @@
+"""Reading of CSV series: comment lines, one header line with exact names, then numbers; every fault names file, row and column."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+
+from gearfem.foundation.errors import InputError
+from gearfem.foundation.record import Array, Record
+
+# Longer than any measured series of a gear; beyond it a wrong file is likelier than a long one.
+MOST_ROWS = 5_000_000
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Columns(Record):
+    """Numbers of a CSV file, in the units of the file.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Header of the file.
+    values : ndarray, shape (rows, columns)
+        The numbers; row 1 is the first line below the header that is neither empty nor a comment.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+
+
+def read_columns(path: str | Path, headers: tuple[tuple[str, ...], ...], fewest: int = 1) -> Columns:
+    """Return the numbers of a CSV file whose header is one of those allowed.
+
+    Parameters
+    ----------
+    path : str or Path
+        File in UTF-8; lines that start with "#" are comments, empty lines count for nothing.
+    headers : tuple of tuple of str
+        Headers that are allowed.
+    fewest : int
+        Smallest number of rows.
+
+    Returns
+    -------
+    Columns
+
+    Raises
+    ------
+    InputError
+        In one line with file, row and column: a file that cannot be read, another header, a row of another length,
+        a field that is no finite number, too few rows.
+    """
+    file = str(path)
+    lines = [(number, line) for number, line in enumerate(_lines(path), 1) if line.strip() and not line.lstrip().startswith("#")]
+    wanted = " or ".join(",".join(names) for names in headers)
+    if not lines:
+        raise InputError("header", "no line", wanted, file)
+    names = tuple(_fields(lines[0][1]))
+    if names not in headers:
+        raise InputError(f"header (line {lines[0][0]})", _shown(lines[0][1]), wanted, file)
+    if not fewest <= len(lines) - 1 <= MOST_ROWS:
+        raise InputError("rows", f"{len(lines) - 1} of them", f"from {fewest} up to {MOST_ROWS}", file)
+    rows = [_numbers(line, names, f"row {row} (line {number})", file) for row, (number, line) in enumerate(lines[1:], 1)]
+    return Columns(names=names, values=np.array(rows))
+
+
+def _lines(path: str | Path) -> list[str]:
+    try:
+        return Path(path).read_text(encoding="utf-8-sig").splitlines()
+    except FileNotFoundError:
+        raise InputError("file", "no such file", "the path of a CSV file", str(path)) from None
+    except OSError as error:
+        raise InputError("file", (error.strerror or "an error").lower(), "a CSV file that can be read", str(path)) from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"byte {error.start}", "a character that is not UTF-8", "CSV text in UTF-8", str(path)) from None
+
+
+def _fields(line: str) -> list[str]:
+    return [field.strip() for field in next(csv.reader([line]))]
+
+
+def _numbers(line: str, names: tuple[str, ...], where: str, file: str) -> list[float]:
+    fields = _fields(line)
+    if len(fields) != len(names):
+        raise InputError(where, f"{len(fields)} columns", f"{len(names)} columns: {','.join(names)}", file)
+    values = []
+    for name, field in zip(names, fields, strict=True):
+        try:
+            value = float(field)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise InputError(f"{where}, column {name}", _shown(field) or "nothing", "a finite number", file)
+        values.append(value)
+    return values
+
+
+def _shown(text: str) -> str:
+    return " ".join(text[:60].split()) + ("..." if len(text) > 60 else "")
