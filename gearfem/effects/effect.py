@@ -1,0 +1,241 @@
+"""What every physical effect is: a frozen record of parameters, the stage it acts on, and one pure method."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import Any, ClassVar, Literal, Self, TypeAlias, get_args
+
+from gearfem.definition.setup import Member, Setup
+from gearfem.foundation import InputError, Record
+from gearfem.foundation.units import factor
+
+Stage = Literal["flank", "compliance", "placement", "contact", "drive", "sensing"]
+STAGES: tuple[Stage, ...] = get_args(Stage)
+Repeat = Literal["every tooth", "one tooth", "once a turn", "not periodic"]
+# A gear is cut, then mounted, then wears and cracks, and runs at last: effects of one stage act in this order.
+History = Literal["made", "mounted", "worn", "running"]
+HISTORY: tuple[History, ...] = get_args(History)
+MEMBERS: tuple[Member, ...] = get_args(Member)
+
+Size: TypeAlias = float | Callable[[Setup, Member], float]
+
+
+def modules(count: float) -> Size:
+    """Return a length of so many modules of the pair, for bounds and typical values."""
+    return lambda setup, member: count * setup.pair.pinion.module
+
+
+def of_width(share: float) -> Size:
+    """Return a share of the face width, for bounds and typical values."""
+    return lambda setup, member: share * setup.pair.face_width
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """What is known of one parameter of an effect; sizes are in SI, or functions of the setup and the gear that give them.
+
+    Parameters
+    ----------
+    words : str
+        What it is.
+    unit : str
+        As it ends the key in files ("um"); empty for a number without dimension.
+    low, high : Size
+        Physical bounds, both allowed.
+    typical : Size
+        A value that a worn or badly made pair may well have: where a fit starts, and what is shown.
+    neutral : Size, optional
+        Value at which the effect does nothing. A parameter without one says where or how the effect acts.
+    reciprocal : bool
+        Whether the effect grows with the reciprocal of the value (a frequency that is infinite at no effect).
+    """
+
+    words: str
+    unit: str = ""
+    low: Size
+    high: Size
+    typical: Size
+    neutral: Size | None = None
+    reciprocal: bool = False
+
+    def bounds(self, setup: Setup, member: Member) -> tuple[float, float]:
+        """Return both bounds for a gear of a pair."""
+        return _size(self.low, setup, member), _size(self.high, setup, member)
+
+    def typically(self, setup: Setup, member: Member) -> float:
+        """Return the typical value for a gear of a pair, within the bounds."""
+        low, high = self.bounds(setup, member)
+        return min(max(_size(self.typical, setup, member), low), high)
+
+    def at_rest(self, setup: Setup, member: Member) -> float:
+        """Return the neutral value; only for parameters that have one."""
+        assert self.neutral is not None
+        return _size(self.neutral, setup, member)
+
+    def coordinate(self, value: float) -> float:
+        """Return what the effect is smooth in: the value, or its reciprocal; `value` is its own inverse."""
+        return 1.0 / value if self.reciprocal and value != 0.0 else (math.inf if self.reciprocal else value)
+
+    value = coordinate
+
+
+def parameter(
+    words: str,
+    unit: str = "",
+    *,
+    low: Size,
+    high: Size,
+    typical: Size,
+    neutral: Size | None = None,
+    reciprocal: bool = False,
+) -> Any:
+    """Declare a parameter: the default of a dataclass field of an effect. Arguments as those of `Parameter`."""
+    declared = Parameter(words=words, unit=unit, low=low, high=high, typical=typical, neutral=neutral, reciprocal=reciprocal)
+    return dataclasses.field(metadata={"parameter": declared})
+
+
+def _size(size: Size, setup: Setup, member: Member) -> float:
+    return size(setup, member) if callable(size) else size
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Effect(Record):
+    """A physical effect. Subclasses are dataclasses whose fields are `gear`, `tooth` (both only where needed) and parameters.
+
+    Attributes
+    ----------
+    name : str
+        Name in model files and diagnoses.
+    stage : Stage
+        Whose record it changes: Flanks, Compliance, Placement, law of contact, DriveTrain or Instrument.
+    repeats : Repeat
+        How it comes back as the gears turn.
+    history : History
+        When in the life of the pair it happens; decides the order only within a stage.
+    replaces : bool
+        Whether it overrules the value of the model (the last one wins) rather than adding to it.
+    sentence : str
+        For reports; keys of model files in braces are filled in.
+    source : str
+        Where the shape comes from.
+    """
+
+    name: ClassVar[str]
+    stage: ClassVar[Stage]
+    repeats: ClassVar[Repeat]
+    history: ClassVar[History] = "made"
+    replaces: ClassVar[bool] = False
+    sentence: ClassVar[str]
+    source: ClassVar[str]
+
+    def act(self, record: Any, setup: Setup) -> Any:
+        """Return the record of its stage with this effect in it, of the same type."""
+        raise NotImplementedError
+
+    @classmethod
+    def parameters(cls) -> dict[str, Parameter]:
+        """Return what is known of the numbers among the fields, by field; `gear` and `tooth` are not among them."""
+        return {field.name: field.metadata["parameter"] for field in dataclasses.fields(cls) if "parameter" in field.metadata}
+
+    @classmethod
+    def strengths(cls) -> tuple[str, ...]:
+        """Return the fields that have a neutral value."""
+        return tuple(name for name, known in cls.parameters().items() if known.neutral is not None)
+
+    @classmethod
+    def key(cls, field: str) -> str:
+        """Return the key of a field in files, which ends in its unit."""
+        known = cls.parameters().get(field)
+        return f"{field}_{known.unit}" if known and known.unit else field
+
+    @classmethod
+    def keys(cls) -> dict[str, str]:
+        """Return the fields by their keys in files."""
+        return {cls.key(field.name): field.name for field in dataclasses.fields(cls)}
+
+    @property
+    def member(self) -> Member:
+        """The gear it acts on; "pinion" where it acts on no single one."""
+        member: Member = getattr(self, "gear", "pinion")
+        return member
+
+    @classmethod
+    def example(cls, setup: Setup, member: Member = "pinion", tooth: int = 0) -> Self:
+        """Return the effect with typical values on a pair.
+
+        Parameters
+        ----------
+        setup : Setup
+            The pair.
+        member : {"pinion", "wheel"}
+            The gear, if it acts on one.
+        tooth : int
+            The tooth, if it acts on one.
+
+        Returns
+        -------
+        Effect
+        """
+        values: dict[str, Any] = {name: known.typically(setup, member) for name, known in cls.parameters().items()}
+        fields = {field.name for field in dataclasses.fields(cls)}
+        values |= {name: value for name, value in (("gear", member), ("tooth", tooth)) if name in fields}
+        return cls(**values)
+
+    def scaled(self, strength: float, setup: Setup) -> Self:
+        """Return the effect at a fraction of its strength: 0 is neutral, 1 the effect itself.
+
+        Parameters
+        ----------
+        strength : float
+            Fraction; parameters without a neutral value stay as they are.
+        setup : Setup
+            The pair, since some neutral values are the model's.
+
+        Returns
+        -------
+        Effect
+        """
+        changes = {}
+        for field in self.strengths():
+            known = self.parameters()[field]
+            rest, full = known.coordinate(known.at_rest(setup, self.member)), known.coordinate(getattr(self, field))
+            changes[field] = known.value(rest + strength * (full - rest))
+        return dataclasses.replace(self, **changes)
+
+    def check(self, setup: Setup) -> None:
+        """Refuse what is not on these gears or beyond the bounds; raises InputError that names the key.
+
+        Parameters
+        ----------
+        setup : Setup
+            The pair.
+        """
+        gear = setup.pair.pinion if self.member == "pinion" else setup.pair.wheel
+        if self.member not in MEMBERS:
+            raise InputError("gear", f'"{self.member}"', '"pinion" or "wheel"')
+        tooth = getattr(self, "tooth", 0)
+        if isinstance(tooth, bool) or not isinstance(tooth, int) or not 0 <= tooth < gear.teeth:
+            raise InputError("tooth", tooth, f"an integer from 0 to {gear.teeth - 1}, the teeth of the {self.member}")
+        for field, known in self.parameters().items():
+            value, (low, high) = getattr(self, field), known.bounds(setup, self.member)
+            if not low <= value <= high:
+                key, unit = self.key(field), factor(self.key(field))
+                words = known.unit.replace("_per_", "/")
+                allowed = f"a number from {low / unit:.6g} to {high / unit:.6g} {words}".rstrip()
+                raise InputError(key, f"{value / unit:.6g}", f"{allowed} ({known.words})")
+
+    def table(self) -> dict[str, str | int | float]:
+        """Return the effect as a table of a model file, its name first."""
+        values: dict[str, str | int | float] = {"name": self.name}
+        for key, field in self.keys().items():
+            value = getattr(self, field)
+            # Twelve digits: what a person wrote comes back as it was written.
+            values[key] = float(f"{value / factor(key):.12g}") if field in self.parameters() else value
+        return values
+
+    def describe(self) -> str:
+        """Return the sentence for reports with the values filled in."""
+        shown = {key: f"{value:.4g}" if isinstance(value, float) else value for key, value in self.table().items()}
+        return self.sentence.format(**shown)

@@ -1,0 +1,44 @@
+"""Wear of the working flanks of a gear: least at the pitch point, where nothing slides."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from gearfem.definition.setup import Member, Setup
+from gearfem.effects.effect import Effect, modules, parameter
+from gearfem.effects.on_flank import without
+from gearfem.effects.roll import active_flank
+from gearfem.flank import Flanks
+from gearfem.foundation import Array
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class ProfileWear(Effect):
+    """Wear of all teeth of one gear: a parabola in roll length on each side of the pitch point, with its foot there."""
+
+    name = "profile_wear"
+    stage = "flank"
+    repeats = "every tooth"
+    history = "worn"
+    sentence = "Wear of the {gear}: {tip_um} um at the tip, {root_um} um at the lowest contact point, {pitch_um} um at the pitch point"
+    source = "Archard's law with the sliding of spur gears, which vanishes at the pitch point; Wojnarowski & Onishchenko (2003), section 1"
+
+    gear: Member
+    tip: float = parameter("depth at the tip", "um", low=0.0, high=modules(0.1), typical=modules(0.003), neutral=0.0)
+    root: float = parameter(
+        "depth at the lowest contact point and below it", "um", low=0.0, high=modules(0.1), typical=modules(0.004), neutral=0.0
+    )
+    pitch: float = parameter("depth at the pitch point", "um", low=0.0, high=modules(0.1), typical=modules(0.0005), neutral=0.0)
+
+    def act(self, flanks: Flanks, setup: Setup) -> Flanks:
+        """Take the worn metal from all teeth."""
+        lowest, middle, tip = active_flank(setup, self.gear)
+
+        def depth(roll: Array) -> Array:
+            above = (np.maximum(roll, middle) - middle) / (tip - middle)
+            below = (middle - np.clip(roll, lowest, middle)) / (middle - lowest)
+            return self.pitch + (self.tip - self.pitch) * above**2 + (self.root - self.pitch) * below**2
+
+        return without(flanks, self.gear, depth)

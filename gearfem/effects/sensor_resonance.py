@@ -1,0 +1,32 @@
+"""Sensor resonance: an instrument on an elastic mount."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from gearfem.definition.setup import Setup
+from gearfem.effects.effect import Effect, parameter
+from gearfem.sensing import Instrument, Resonance
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class SensorResonance(Effect):
+    """A low-pass of second order on all series taken at speed."""
+
+    name = "sensor_resonance"
+    stage = "sensing"
+    repeats = "not periodic"
+    history = "running"
+    sentence = "The instrument resonates at {frequency_Hz} Hz with a damping ratio of {ratio}"
+    source = "Seismic sensor, one degree of freedom"
+
+    frequency: float = parameter(
+        "natural frequency of the mounted sensor", "Hz", low=1.0, high=math.inf, typical=3000.0, neutral=math.inf, reciprocal=True
+    )
+    ratio: float = parameter("damping ratio", low=0.001, high=2.0, typical=0.1)
+
+    def act(self, instrument: Instrument, setup: Setup) -> Instrument:
+        """Put the low-pass behind those that are there."""
+        resonance = Resonance(frequency=self.frequency, ratio=self.ratio)
+        return dataclasses.replace(instrument, resonances=(*instrument.resonances, resonance))

@@ -1,0 +1,6 @@
+"""The sensing stage: what instruments read of a gear pair."""
+
+from gearfem.sensing.instrument import Instrument, Resonance
+from gearfem.sensing.system import System
+
+__all__ = ["Instrument", "Resonance", "System"]
