@@ -12,8 +12,15 @@ from gearfem.compliance.patchwork import Ids
 from gearfem.foundation import Array
 
 
-class HarmonicRing(abc.ABC):
-    """A ring of `teeth` equal sectors held on the bore, condensed to the cuts between them, loaded on sector 0.
+class CutRing:
+    """The cuts of a ring of `teeth` equal sectors held on the bore, loads on the two cuts of sector 0.
+
+    Parameters
+    ----------
+    schur : ndarray, shape (4 c, 4 c)
+        Stiffness of one sector seen at its two cuts, lower cut first.
+    teeth : int
+        Number of sectors.
 
     Notes
     -----
@@ -24,35 +31,26 @@ class HarmonicRing(abc.ABC):
     harmonic n = 0 ... teeth/2 (the rest are complex conjugates). Exact up to rounding; derived here.
     """
 
-    teeth: int
-    cut: Ids
-
-    @abc.abstractmethod
-    def condense(self, load: Array) -> Array:
-        """Return what loads on a sector are worth on its two cuts, lower cut first, shape (2 n, k) -> (4 c, k)."""
-
-    @abc.abstractmethod
-    def own(self, load: Array, reading: Array) -> Array:
-        """Return what each reading shows under the load of the same column while both cuts are held, shape (k,)."""
-
-    @abc.abstractmethod
-    def respond(self, load: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Return the displacements of a cut in all harmonics under loads on it, shape (h, 2 c, k)."""
-
-    @abc.abstractmethod
-    def displacements(self, load: Array, offsets: tuple[int, ...]) -> Array:
-        """Return nodal displacements of several sectors, each in its own frame, shape (len(offsets), 2 n, k)."""
-
-    @property
-    @abc.abstractmethod
-    def schur(self) -> Array:
-        """Stiffness of one sector seen at its two cuts, lower cut first, shape (4 c, 4 c)."""
+    def __init__(self, schur: Array, teeth: int) -> None:
+        self.schur, self.teeth = schur, teeth
 
     @cached_property
     def phase(self) -> NDArray[np.complex128]:
         """Phases exp(i t) of the harmonics 0 ... teeth/2."""
         phase: NDArray[np.complex128] = np.exp(2j * np.pi / self.teeth * np.arange(self.teeth // 2 + 1))
         return phase
+
+    @cached_property
+    def _inverse(self) -> NDArray[np.complex128]:
+        size = len(self.schur) // 2
+        ll, lu, ul, uu = (self.schur[i : i + size, j : j + size] for i in (0, size) for j in (0, size))
+        phase = self.phase[:, None, None]
+        return np.asarray(np.linalg.inv(ll + uu + ul / phase + lu * phase), dtype=np.complex128)
+
+    def respond(self, load: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Return the displacements of a cut in all harmonics under loads on it, shape (h, 2 c, k)."""
+        moved: NDArray[np.complex128] = self._inverse @ load
+        return moved
 
     def cuts(self, condensed: Array, offsets: tuple[int, ...]) -> Array:
         """Return the displacements of the two cuts of several sectors under loads on sector 0.
@@ -80,6 +78,30 @@ class HarmonicRing(abc.ABC):
         weight = count * phase ** wanted[:, None] / self.teeth
         at = dict(zip(wanted.tolist(), np.tensordot(weight, spectrum, axes=1).real, strict=True))
         return np.stack([np.concatenate([at[o - 1], at[o]]) for o in offsets])
+
+    @cached_property
+    def whole(self) -> Array:
+        """Stiffness of the whole ring seen at the two cuts of sector 0, shape (4 c, 4 c); less `schur` it is that of the others."""
+        stiffness = np.linalg.inv(self.cuts(np.eye(len(self.schur)), (0,))[0])
+        return np.asarray(0.5 * (stiffness + stiffness.T))
+
+
+class HarmonicRing(CutRing, abc.ABC):
+    """A ring of equal sectors that takes loads inside sector 0."""
+
+    cut: Ids
+
+    @abc.abstractmethod
+    def condense(self, load: Array) -> Array:
+        """Return what loads on a sector are worth on its two cuts, lower cut first, shape (2 n, k) -> (4 c, k)."""
+
+    @abc.abstractmethod
+    def own(self, load: Array, reading: Array) -> Array:
+        """Return what each reading shows under the load of the same column while both cuts are held, shape (k,)."""
+
+    @abc.abstractmethod
+    def displacements(self, load: Array, offsets: tuple[int, ...]) -> Array:
+        """Return nodal displacements of several sectors, each in its own frame, shape (len(offsets), 2 n, k)."""
 
     def deflection(self, load: Array, reading: Array) -> Array:
         """Return what each reading shows under the load of the same column, shape (k,).

@@ -80,7 +80,7 @@ class Ring(HarmonicRing):
 
     def __init__(self, section: SectionMesh, stiffness: Any, teeth: int, ports: Ids | None = None) -> None:
         nodes = section.mesh.doflocs.shape[1]
-        self.teeth, self._nodes = teeth, nodes
+        self._nodes = nodes
         cut = section.upper[~np.isin(section.upper, section.held)]
         fixed = np.isin(np.arange(nodes), section.held)
         self.cut = cut
@@ -100,9 +100,11 @@ class Ring(HarmonicRing):
         self._mirror = mirror_images(section.mesh.doflocs)
         self._flip = np.repeat([1.0, -1.0], len(cut))[:, None]
         self._schur = [self._polar.T @ half.factors.schur @ self._polar for half in self._halves]
+        a, b = (self._schur[0] + self._schur[1]) / 4.0, (self._schur[0] - self._schur[1]) / 4.0
+        super().__init__(np.block([[self._flip * a * self._flip.T, self._flip * b], [b * self._flip.T, a]]), teeth)
 
     @cached_property
-    def _inverse(self) -> Array:
+    def _real_inverse(self) -> Array:
         """Inverse matrices of the real systems of all harmonics."""
         even, odd = self._schur
         a, b = (even + odd) / 4.0, (even - odd) / 4.0
@@ -115,19 +117,12 @@ class Ring(HarmonicRing):
         systems[:, c:, :c] = systems[:, :c, c:].swapaxes(1, 2)
         return np.asarray(np.linalg.inv(2.0 * systems), dtype=float)
 
-    @property
-    def schur(self) -> Array:
-        """Stiffness of one sector seen at its two cuts, lower cut first, shape (4 c, 4 c)."""
-        a, b = (self._schur[0] + self._schur[1]) / 2.0, (self._schur[0] - self._schur[1]) / 2.0
-        flip = self._flip
-        return np.asarray(np.block([[flip * a * flip.T, flip * b], [b * flip.T, a]])) / 2.0
-
     def respond(self, load: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Return the displacements of a cut in all harmonics under loads on it, shape (h, 2 c, k)."""
         cases = load.shape[2]
         unit = np.repeat([1.0, 1.0j], load.shape[1] // 2)[:, None]
         load = load * unit.conj()
-        parts = self._inverse @ np.concatenate([load.real, load.imag], axis=2)
+        parts = self._real_inverse @ np.concatenate([load.real, load.imag], axis=2)
         moved: NDArray[np.complex128] = (parts[:, :, :cases] + 1j * parts[:, :, cases:]) * unit
         return moved
 

@@ -13,7 +13,6 @@ from gearfem.compliance.section_sides import SIZE, Focus, count_elements, depths
 from gearfem.definition.setup import Gear
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError
-from gearfem.foundation.record import digest
 
 # Where three patches meet on the fillet: its normal has turned through half its range there.
 MEETING = 1.5
@@ -236,6 +235,6 @@ def root_mesh(outline: Outline, resolution: float, chord: bool) -> SectionMesh:
 
 
 def unworn(outline: Outline) -> Outline:
-    """Return the outline of the idle side: the nominal one, which is the given one itself if nothing is missing from it."""
-    nominal = Outline(gear=outline.gear)
-    return outline if digest(outline) == digest(nominal) else nominal
+    """Return the outline of the idle side: without deviation, and the given one itself if nothing is missing from it."""
+    worn = outline.deviation is not None and outline.deviation.depth.any()
+    return Outline(gear=outline.gear) if worn else outline

@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearfem.compliance.dissection import Trailing, dissect
 from gearfem.compliance.harmonic_ring import HarmonicRing
@@ -46,7 +45,7 @@ class Sector:
         self._unknowns = np.stack([order, order + nodes], axis=1).ravel()
         self._ports = self._unknowns[2 * len(inner) : len(self._unknowns) - 2 * len(both)]
         self.factors = Trailing(stiffness[self._unknowns][:, self._unknowns], 2 * len(ports), 2 * len(both))
-        self._polar = _polar(len(upper), np.pi / teeth)
+        self._polar = polar_of_cuts(len(upper), np.pi / teeth)
 
     @cached_property
     def schur(self) -> Array:
@@ -76,7 +75,7 @@ class Sector:
         return result
 
 
-def _polar(nodes: int, angle: float) -> Array:
+def polar_of_cuts(nodes: int, angle: float) -> Array:
     """Return x and y, node by node, of radial and tangential displacements of the lower and the upper cut."""
     result = np.zeros((2, 2 * nodes, 2, 2 * nodes))
     for side, at in ((0, -angle), (1, angle)):
@@ -97,24 +96,8 @@ class UnevenRing(HarmonicRing):
     """
 
     def __init__(self, sector: Sector, teeth: int) -> None:
-        self.sector, self.teeth, self.cut = sector, teeth, sector.cut
-
-    @property
-    def schur(self) -> Array:
-        """Stiffness of one sector seen at its two cuts, lower cut first, shape (4 c, 4 c)."""
-        return self.sector.schur
-
-    @cached_property
-    def _inverse(self) -> NDArray[np.complex128]:
-        size = len(self.schur) // 2
-        ll, lu, ul, uu = (self.schur[i : i + size, j : j + size] for i in (0, size) for j in (0, size))
-        phase = self.phase[:, None, None]
-        return np.asarray(np.linalg.inv(ll + uu + ul / phase + lu * phase), dtype=np.complex128)
-
-    def respond(self, load: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Return the displacements of a cut in all harmonics under loads on it, shape (h, 2 c, k)."""
-        moved: NDArray[np.complex128] = self._inverse @ load
-        return moved
+        super().__init__(sector.schur, teeth)
+        self.sector, self.cut = sector, sector.cut
 
     def condense(self, load: Array) -> Array:
         """Return what loads on a sector are worth on its two cuts, lower cut first, shape (2 n, k) -> (4 c, k)."""
@@ -142,16 +125,14 @@ class OddSector:
 
     Notes
     -----
-    With the compliance G of the two cuts of the whole ring, the ring without its own sector has the stiffness
-    O = inv(G) - S on them: O + S' with the odd sector's S' carries its loads. The other sectors move as in the whole ring
-    under inv(G) v, v being the displacements of the two cuts. Exact up to rounding; derived here.
+    With the stiffness W of the whole ring on the two cuts, the ring without its own sector has the stiffness
+    O = W - S on them: O + S' with the odd sector's S' carries its loads. The other sectors move as in the whole ring
+    under W v, v being the displacements of the two cuts. Exact up to rounding; derived here.
     """
 
     def __init__(self, ring: HarmonicRing, sector: Sector) -> None:
         self._ring, self._sector = ring, sector
-        whole = np.linalg.inv(ring.cuts(np.eye(len(ring.schur)), (0,))[0])
-        self._whole = 0.5 * (whole + whole.T)
-        self._stiffness = self._whole - ring.schur + sector.schur
+        self._stiffness = ring.whole - ring.schur + sector.schur
 
     def _cuts(self, load: Array) -> Array:
         return np.asarray(np.linalg.solve(self._stiffness, self._sector.condense(load)))
@@ -183,5 +164,5 @@ class OddSector:
         -------
         ndarray, shape (len(offsets), i, k)
         """
-        table: Array = self._ring.condense(reading).T @ self._ring.cuts(self._whole @ self._cuts(load), offsets)
+        table: Array = self._ring.condense(reading).T @ self._ring.cuts(self._ring.whole @ self._cuts(load), offsets)
         return table
