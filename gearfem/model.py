@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from gearfem.definition.model_file import define, origin, read_model
 from gearfem.definition.setup import Setup
+from gearfem.effects.catalogue import read_effects
+from gearfem.effects.effect import Effect
 from gearfem.flank import make_flanks
 from gearfem.foundation import InputError
 
 
-def load_model(path: str | Path, overrides: Iterable[str] = ()) -> Setup:
+def load_model(path: str | Path, overrides: Iterable[str] = (), effects: Iterable[type[Effect]] = ()) -> Setup:
     """Read a gear pair from a model file.
 
     Parameters
@@ -21,6 +24,8 @@ def load_model(path: str | Path, overrides: Iterable[str] = ()) -> Setup:
         Model file in TOML.
     overrides : iterable of str
         "dotted.key=value" with the value spelt as in TOML; each replaces a key of the file.
+    effects : iterable of type
+        Effects from outside the catalogue that the file may name.
 
     Returns
     -------
@@ -39,7 +44,7 @@ def load_model(path: str | Path, overrides: Iterable[str] = ()) -> Setup:
     (0.06, 1.1455)
     """
     changes = tuple(overrides)
-    setup = read_model(path, changes)
+    setup = read_model(path, partial(read_effects, extra=tuple(effects)), changes)
     try:
         make_flanks(setup)
     except InputError as error:
@@ -47,13 +52,15 @@ def load_model(path: str | Path, overrides: Iterable[str] = ()) -> Setup:
     return setup
 
 
-def make_setup(mapping: Mapping[str, Any]) -> Setup:
+def make_setup(mapping: Mapping[str, Any], effects: Iterable[type[Effect]] = ()) -> Setup:
     """Make a gear pair from the tables and keys of a model file.
 
     Parameters
     ----------
     mapping : mapping
         Nested as the file's tables, values in the units that end the keys.
+    effects : iterable of type
+        Effects from outside the catalogue that it may name.
 
     Returns
     -------
@@ -76,6 +83,6 @@ def make_setup(mapping: Mapping[str, Any]) -> Setup:
     >>> round(setup.pair.centre_distance * 1e3, 6), round(setup.operation.wheel_torque, 3)
     (106.5, 77.554)
     """
-    setup = define(mapping)
+    setup = define(mapping, partial(read_effects, extra=tuple(effects)))
     make_flanks(setup)
     return setup

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Literal
+from collections.abc import Iterable
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -20,23 +21,31 @@ from gearfem.compliance import (
     make_compliance,
     with_error,
 )
-from gearfem.compliance.record import Compliance, ComplianceCurve
+from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
 from gearfem.compliance.solid_curve import QUICK
 from gearfem.contact import EdgedLine
+from gearfem.contact.scaled import ScaledLaw
+from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, make_drive, rigid_motion, unloaded_transport, wheel_torque_sentence
 from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
+from gearfem.effects.catalogue import in_history
+from gearfem.effects.effect import Effect
+from gearfem.effects.effect import Stage as EffectStage
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
 from gearfem.flank import Flanks, make_flanks, path_of_contact
-from gearfem.foundation import Array, Record
+from gearfem.foundation import Array, InputError, Record, digest
+from gearfem.foundation.cache import remembered
 from gearfem.foundation.progress import Progress, quiet
-from gearfem.placement import make_placement
+from gearfem.placement import Placement, make_placement
+from gearfem.sensing import Instrument, System
 
 Stage = Literal["flank", "compliance", "engagement", "dynamics"]
 STAGES: tuple[Stage, ...] = ("flank", "compliance", "engagement", "dynamics")
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
+Stated = TypeVar("Stated")
 # The transition from one pair to two takes a twentieth of a pitch, 320 of these steps; Kw is met to about 0.1 %.
 RIGID_STEPS = 6400
 
@@ -47,8 +56,132 @@ METHOD_ASSUMPTIONS = (
     "finite elements do down to its centreline.",
     "The rigid model takes the ratio of the forces under the operation torque, which changes hands over a finite angle; "
     "the elastic model takes the unloaded ratio, since its own deflection adds the rest.",
-    "All teeth are equal and perfectly spaced.",
 )
+EVEN = "All teeth are equal and perfectly spaced."
+
+
+def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
+    """Bring a gear pair and its effects together: the records of all stages before anything moves.
+
+    Parameters
+    ----------
+    setup : Setup
+        Gear pair, load and drive; the effects and the calibration that it names act too.
+    effects : iterable of Effect
+        Further effects, after those of the setup.
+
+    Returns
+    -------
+    System
+
+    Raises
+    ------
+    InputError
+        If an effect is beyond its bounds, or leaves gears that cannot mesh.
+    SolveError
+        If a compliance cannot be computed.
+
+    Notes
+    -----
+    Effects of a stage act in the order of the part's history (`gearfem.effects.effect.HISTORY`), then as given. Each stage is
+    remembered by what it depends on, so that a changed effect repeats nothing before its own stage.
+
+    Examples
+    --------
+    >>> from gearfem.effects.runout import Runout
+    >>> from gearfem.model import load_model
+    >>> system = assemble(load_model("studies/coal_combine/model.toml"), [Runout(gear="wheel", eccentricity=2e-5, angle=0.0)])
+    >>> system.placement.wheel_runout
+    (2e-05, 0.0)
+    """
+    chosen, bare = _checked([*effects_in(setup), *effects], setup), _bare(setup)
+
+    def of(stage: EffectStage) -> tuple[Effect, ...]:
+        return tuple(effect for effect in chosen if effect.stage == stage)
+
+    fitted, drive = setup.calibration, make_drive(setup)
+    flanks = _flanks(bare, of("flank"))
+    compliance = _compliance(flanks, bare, of("compliance"))
+    placement = _act(_late(make_placement(setup), fitted), of("placement"), bare)
+    pair = setup.pair
+    law: Law = EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material)
+    drive = dataclasses.replace(
+        drive, pinion_torque=drive.pinion_torque * fitted.torque_scale, wheel_torque=drive.wheel_torque * fitted.torque_scale
+    )
+    return System(
+        setup=setup,
+        flanks=flanks,
+        compliance=_softer(compliance, 1.0 / fitted.stiffness_scale),
+        placement=placement,
+        law=ScaledLaw(law=_act(law, of("contact"), bare), scale=1.0 / fitted.stiffness_scale),
+        drive=_act(drive, of("drive"), bare),
+        instrument=_act(Instrument(), of("sensing"), bare),
+    )
+
+
+def effects_in(setup: Setup) -> tuple[Effect, ...]:
+    """Return the effects that a setup names."""
+    return tuple(effect for effect in setup.effects if isinstance(effect, Effect))
+
+
+def _checked(effects: Iterable[Effect], setup: Setup) -> tuple[Effect, ...]:
+    """Return effects in the order in which they act; refuse those that are beyond their bounds."""
+    chosen = in_history(effects)
+    for effect in chosen:
+        try:
+            effect.check(setup)
+        except InputError as error:
+            raise InputError(f"{effect.name}.{error.where}", error.found, error.allowed) from None
+    return chosen
+
+
+def flanks_of(setup: Setup) -> Flanks:
+    """Return the flanks of a gear pair with the effects that it names, without computing anything further."""
+    return _flanks(_bare(setup), tuple(effect for effect in _checked(effects_in(setup), setup) if effect.stage == "flank"))
+
+
+def _bare(setup: Setup) -> Setup:
+    """Return the setup by which stages are remembered: as designed, so that each depends on its own effects alone."""
+    return dataclasses.replace(setup, effects=(), calibration=Calibration(), name="", assumptions=(), source="")
+
+
+def _act(record: Stated, effects: tuple[Effect, ...], setup: Setup) -> Stated:
+    """Return the record of a stage with all effects of that stage in it."""
+    for effect in effects:
+        record = effect.act(record, setup)
+    return record
+
+
+@remembered
+def _flanks(setup: Setup, effects: tuple[Effect, ...]) -> Flanks:
+    return _act(make_flanks(setup), effects, setup)
+
+
+@remembered
+def _compliance(flanks: Flanks, setup: Setup, effects: tuple[Effect, ...]) -> Compliance:
+    return _act(make_compliance(flanks), effects, setup)
+
+
+def _late(placement: Placement, fitted: Calibration) -> Placement:
+    """Return a placement with the fitted index errors."""
+    late = ((placement.pinion_late, fitted.pinion_late), (placement.wheel_late, fitted.wheel_late))
+    pinion, wheel = (stated + error if error.size else stated for stated, error in late)
+    return dataclasses.replace(placement, pinion_late=pinion, wheel_late=wheel)
+
+
+def _softer(compliance: Compliance, scale: float) -> Compliance:
+    """Return a compliance of which teeth and bodies yield a multiple; contacts are the law's."""
+
+    def softer(tooth: ToothCompliance) -> ToothCompliance:
+        return dataclasses.replace(tooth, deflection=scale * tooth.deflection, coupling=scale * tooth.coupling)
+
+    return dataclasses.replace(
+        compliance,
+        pinion=softer(compliance.pinion),
+        wheel=softer(compliance.wheel),
+        pinion_odd=tuple((number, softer(tooth)) for number, tooth in compliance.pinion_odd),
+        wheel_odd=tuple((number, softer(tooth)) for number, tooth in compliance.wheel_odd),
+    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -61,6 +194,8 @@ class Results(Record):
         What it was computed from.
     flanks, compliance, mesh, engagement, mesh_force : records
         Of the stages of these names; `mesh` is what the engagement was computed from, for further torques.
+    system : System
+        The same with drive and instrument: everything that the motions were computed from.
     comparison : tuple of (member, ComplianceCurve)
         The same compliance by other methods and supports, where asked for.
     rigid, elastic, classical : RigidMotion, ElasticMotion, ElasticMotion
@@ -73,6 +208,7 @@ class Results(Record):
     flanks: Flanks
     compliance: Compliance | None = None
     mesh: Mesh | None = None
+    system: System | None = None
     comparison: tuple[tuple[Member, ComplianceCurve], ...] = ()
     engagement: Engagement | None = None
     mesh_force: MeshForce | None = None
@@ -86,6 +222,7 @@ def run(
     setup: Setup,
     until: Stage = "dynamics",
     *,
+    effects: Iterable[Effect] = (),
     torque: float | None = None,
     angles: Array | None = None,
     comparison: bool = False,
@@ -99,8 +236,10 @@ def run(
         Gear pair, load and drive.
     until : {"flank", "compliance", "engagement", "dynamics"}
         Last stage to run.
+    effects : iterable of Effect
+        Physical effects beside those that the setup names.
     torque : float, optional
-        Torque on the pinion [N m]; by default the operation's.
+        Torque on the pinion [N m]; by default the operation's. A fitted scale of the torque acts on either.
     angles : ndarray, shape (n,), optional
         Pinion angles of the engagement [rad]; by default 401 from -1 to +1 pitch around the pitch point.
     comparison : bool
@@ -132,9 +271,10 @@ def run(
     if until not in STAGES:
         raise ValueError(f"until: found {until!r}; allowed: {', '.join(STAGES)}")
     last = STAGES.index(until)
+    setup = dataclasses.replace(setup, effects=(*setup.effects, *effects))
     progress("flanks and compliance", 0, 2)
-    flanks = make_flanks(setup)
-    results = Results(setup=setup, flanks=flanks, assumptions=setup.assumptions + _undercut(flanks, setup))
+    flanks = flanks_of(setup)
+    results = Results(setup=setup, flanks=flanks, assumptions=setup.assumptions + _undercut(flanks, setup) + _sentences(setup))
     if last >= STAGES.index("compliance"):
         results = _with_compliance(results, comparison, progress)
     if last >= STAGES.index("engagement"):
@@ -188,8 +328,16 @@ def _undercut(flanks: Flanks, setup: Setup) -> tuple[str, ...]:
     return (f"Undercut shortens the path of contact: the contact ratio is {left:.4f}, not the {full:.4f} of the full tip circles.",)
 
 
+def _sentences(setup: Setup) -> tuple[str, ...]:
+    """Return what acts on the pair beyond its design, one sentence each."""
+    effects = tuple(f"Effect: {effect.describe()}." for effect in in_history(effects_in(setup)))
+    plain = digest(setup.calibration) == digest(Calibration())
+    return effects if plain else (*effects, "Fitted values of [calibration] act on stiffness, torque and tooth spacing.")
+
+
 def _with_compliance(results: Results, comparison: bool, progress: Progress) -> Results:
-    compliance = make_compliance(results.flanks)
+    system = assemble(results.setup)
+    compliance = system.compliance
     progress("flanks and compliance", 2, 2)
     if comparison:
         method, flanks = FiniteElements(), results.flanks
@@ -199,29 +347,36 @@ def _with_compliance(results: Results, comparison: bool, progress: Progress) -> 
     return dataclasses.replace(
         results,
         compliance=compliance,
-        mesh=Mesh(
-            flanks=results.flanks,
-            placement=make_placement(results.setup),
-            compliance=compliance,
-            law=EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material),
-        ),
+        mesh=system.mesh,
+        system=system,
         comparison=compare_methods(results.flanks, pair.face_width, progress) if comparison else (),
-        assumptions=results.assumptions + METHOD_ASSUMPTIONS,
+        assumptions=results.assumptions + METHOD_ASSUMPTIONS + ((EVEN,) if _even(system) else ()),
     )
+
+
+def _even(system: System) -> bool:
+    """Whether all teeth of a gear are alike and in their places."""
+    flanks, compliance, placement = system.flanks, system.compliance, system.placement
+    odd = (flanks.pinion_odd, flanks.wheel_odd, compliance.pinion_odd, compliance.wheel_odd)
+    places = (placement.pinion_late, placement.wheel_late, np.array([*placement.pinion_runout, *placement.wheel_runout]))
+    return not any(odd) and not any(np.any(place) for place in places)
 
 
 def _with_engagement(results: Results, torque: float, angles: Array | None) -> Results:
     assert results.mesh is not None
+    assert results.system is not None
+    torque = results.system.torque(torque)
     positions = standard_angles(results.mesh.placement) if angles is None else np.asarray(angles, float)
     return dataclasses.replace(results, engagement=engage(results.mesh, positions, torque))
 
 
 def _with_dynamics(results: Results, progress: Progress) -> Results:
     assert results.mesh is not None
+    assert results.system is not None
     setup = results.setup
-    drive = make_drive(setup)
+    drive = results.system.drive
     pitch = setup.pair.pinion.pitch_angle
-    torque = setup.operation.pinion_torque
+    torque = drive.pinion_torque
     forces = mesh_force(results.mesh, torque)
     positions = np.arange(RIGID_STEPS) / RIGID_STEPS * pitch
     ratio = _closed(engage(results.mesh, positions, torque).gear_ratio_force, setup.pair.ratio)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from gearfem.definition.resolve import resolve
+from gearfem.definition.resolve import EffectReader, resolve
 from gearfem.definition.setup import Setup
 from gearfem.definition.validate import shown, validate
 from gearfem.foundation import InputError, digest
@@ -17,13 +17,17 @@ from gearfem.foundation import InputError, digest
 KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
-def define(mapping: Mapping[str, Any]) -> Setup:
+def define(mapping: Mapping[str, Any], effects: EffectReader, folder: Path = Path()) -> Setup:
     """Return the definition that a nested mapping with the keys of a model file describes.
 
     Parameters
     ----------
     mapping : mapping
         Tables and keys of the model file, in the units that end their names.
+    effects : callable
+        Makes the effects of the tables [[effect]].
+    folder : Path
+        Folder from which the files that it names are counted; by default the current one.
 
     Returns
     -------
@@ -34,7 +38,7 @@ def define(mapping: Mapping[str, Any]) -> Setup:
     InputError
         On the first key that cannot be used.
     """
-    return resolve(validate(mapping))
+    return resolve(validate(mapping), folder, effects)
 
 
 def read_tables(path: str | Path) -> dict[str, Any]:
@@ -108,13 +112,15 @@ def _value(name: str, text: str) -> Any:
     return table["value"]
 
 
-def read_model(path: str | Path, overrides: Iterable[str] = ()) -> Setup:
+def read_model(path: str | Path, effects: EffectReader, overrides: Iterable[str] = ()) -> Setup:
     """Return the definition that a model file describes.
 
     Parameters
     ----------
     path : str or Path
         The model file.
+    effects : callable
+        Makes the effects of the tables [[effect]].
     overrides : iterable of str
         Keys that replace the file's, as in `with_overrides`.
 
@@ -130,7 +136,7 @@ def read_model(path: str | Path, overrides: Iterable[str] = ()) -> Setup:
     changes = tuple(overrides)
     tables, _ = with_overrides(read_tables(path), changes)
     try:
-        return define(tables)
+        return define(tables, effects, Path(path).parent)
     except InputError as error:
         raise error.in_file(origin(path, changes, error)) from None
 

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
 
 from gearfem.definition.geometry_checks import check_centre_distance, check_gear, check_inertia, check_pair, check_rack, zero_backlash
+from gearfem.definition.resolve_calibration import resolve_calibration
 from gearfem.definition.resolve_drive import resolve_chain, resolve_support
+from gearfem.definition.resolve_flanks import resolve_flanks
 from gearfem.definition.schema import GearTable, MaterialTable, Model, RackTable
 from gearfem.definition.setup import Gear, GearPair, Material, Member, Operation, Rack, Setup
+from gearfem.definition.tip_edge import with_tip_edges
 from gearfem.definition.validate import canonical
+from gearfem.foundation import Record, digest
 from gearfem.foundation.units import DEG, MM, MPA, RPM
 
 TIP_EDGE_MODULES = 0.02
@@ -21,13 +28,21 @@ MATERIAL_WORDS = {
 }
 
 
-def resolve(model: Model) -> Setup:
+# Effects act on the records of later stages, so that what reads them is handed down.
+EffectReader: TypeAlias = Callable[[Sequence[Mapping[str, Any]], Setup], tuple[Record, ...]]
+
+
+def resolve(model: Model, folder: Path, effects: EffectReader) -> Setup:
     """Return the definition of a calculation, with every default resolved and named.
 
     Parameters
     ----------
     model : Model
         Validated tables of a model file.
+    folder : Path
+        Folder of that file, from which the files it names are counted.
+    effects : callable
+        Makes the effects of the tables [[effect]] for the pair.
 
     Returns
     -------
@@ -37,7 +52,7 @@ def resolve(model: Model) -> Setup:
     Raises
     ------
     InputError
-        If the geometry is impossible, with the dotted key that decides it.
+        If the geometry is impossible, with the dotted key that decides it, or a file of measured points cannot be used.
 
     Notes
     -----
@@ -47,8 +62,19 @@ def resolve(model: Model) -> Setup:
     """
     notes: list[str] = []
     check_rack(model)
-    pair = _pair(model, notes)
-    return Setup(name=model.name, pair=pair, operation=_operation(model, pair, notes), assumptions=tuple(notes), source=canonical(model))
+    pair = with_tip_edges(model, _pair(model, notes), notes)
+    given = resolve_flanks(model, pair, folder, notes)
+    setup = Setup(
+        name=model.name,
+        pair=pair,
+        operation=_operation(model, pair, notes),
+        flanks_given=given,
+        calibration=resolve_calibration(model.calibration, (pair.pinion.teeth, pair.wheel.teeth)),
+        assumptions=tuple(notes),
+    )
+    acting = effects(model.effect, setup)
+    # The points count, not only the name of their file.
+    return dataclasses.replace(setup, effects=acting, source=canonical(model) + (digest(given) if given else ""))
 
 
 def _pair(model: Model, notes: list[str]) -> GearPair:
@@ -100,7 +126,7 @@ def _draft(model: Model, member: Member, rack: Rack, material: Material, notes: 
     bore, edge = table.bore_radius_mm, table.tip_edge_radius_mm
     if bore is None:
         notes.append(f"Bore radius of the {member} not given: half the root radius, {root / 2.0 / MM:.4f} mm; the body is held there.")
-    if edge is None:
+    if edge is None and material.surface_yield_pressure is None:
         notes.append(f"Tip edge radius of the {member} not given: {TIP_EDGE_MODULES:g} module, {TIP_EDGE_MODULES * module / MM:g} mm.")
     gear = Gear(
         teeth=table.teeth,
@@ -137,6 +163,7 @@ def _materials(model: Model, notes: list[str]) -> tuple[Material, Material]:
             poissons_ratio=table.poissons_ratio,
             density=table.density_kg_per_m3,
             yield_strength=table.yield_strength_MPa * MPA,
+            surface_yield_pressure=None if table.surface_yield_pressure_MPa is None else table.surface_yield_pressure_MPa * MPA,
         )
         for table in tables
     )

@@ -13,6 +13,7 @@ Stiff = Annotated[float, Field(gt=0.0, lt=1e15)]
 NotNegative = Annotated[float, Field(ge=0.0, lt=1e9)]
 Teeth = Annotated[int, Field(ge=5, le=1000)]
 Shift = Annotated[float, Field(ge=-3.0, le=3.0)]
+Late = Annotated[float, Field(ge=-1e4, le=1e4)]
 Title = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
 
 REASONS = {
@@ -61,6 +62,14 @@ class MaterialTable(Table):
     poissons_ratio: Annotated[float, Field(gt=-1.0, lt=0.5)] = 0.3
     density_kg_per_m3: Positive = 7850.0
     yield_strength_MPa: Positive = 1200.0
+    surface_yield_pressure_MPa: Positive | None = None
+
+
+class FlankTable(Table):
+    """[[pinion.flank]] and [[wheel.flank]]: a measured working flank of all teeth or of one."""
+
+    file: Title
+    tooth: Annotated[int, Field(ge=0, le=999)] | None = None
 
 
 class GearTable(Table):
@@ -73,6 +82,7 @@ class GearTable(Table):
     root_radius_mm: Positive | None = None
     tip_edge_radius_mm: Positive | None = None
     material: MaterialTable = MaterialTable()
+    flank: list[FlankTable] = []
 
 
 class OperationTable(Table):
@@ -116,8 +126,26 @@ class DriveTable(Table):
     support: SupportTable = SupportTable()
 
 
+class RecordOffsetTable(Table):
+    """[[calibration.record]]: the constant of one record."""
+
+    file: Title
+    offset_um: Annotated[float, Field(ge=-1e6, le=1e6)]
+
+
+class CalibrationTable(Table):
+    """[calibration]: nuisances that a diagnosis fitted."""
+
+    stiffness_scale: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
+    torque_scale: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
+    angle_offset_rad: Annotated[float, Field(ge=-10.0, le=10.0)] = 0.0
+    pinion_index_error_um: list[Late] = []
+    wheel_index_error_um: list[Late] = []
+    record: list[RecordOffsetTable] = []
+
+
 class Model(Table):
-    """A whole model file."""
+    """A whole model file; what [[effect]] may hold is for the catalogue of effects to say."""
 
     name: Title = "gear pair"
     pair: PairTable
@@ -127,6 +155,8 @@ class Model(Table):
     material: MaterialTable = MaterialTable()
     operation: OperationTable
     drive: DriveTable = DriveTable()
+    effect: list[dict[str, Any]] = []
+    calibration: CalibrationTable = CalibrationTable()
 
 
 def table_of(annotation: Any) -> type[BaseModel] | None:

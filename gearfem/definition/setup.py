@@ -7,7 +7,9 @@ import math
 from functools import cached_property
 from typing import Literal
 
+from gearfem.definition.calibration import Calibration
 from gearfem.definition.drive_parts import ShaftedInertia, Support
+from gearfem.definition.measured_flank import MeasuredFlank
 from gearfem.foundation import Record
 
 Member = Literal["pinion", "wheel"]
@@ -45,12 +47,15 @@ class Material(Record):
         Poisson's ratio.
     density : float
         Density [kg/m3].
+    surface_yield_pressure : float, optional
+        Contact pressure at which the tooth's surface yields [Pa]; it rules the tip edge where given.
     """
 
     youngs_modulus: float = 206e9
     poissons_ratio: float = 0.3
     density: float = 7850.0
     yield_strength: float = 1200e6
+    surface_yield_pressure: float | None = None
 
     @property
     def shear_modulus(self) -> float:
@@ -83,6 +88,8 @@ class Gear(Record):
         Basic rack that generates the flank and the fillet.
     material : Material
         Material of the whole gear.
+    tip_run_out : float
+        Arc of the flank over which the curvature of the tip edge runs out into the flank's [m]; 0 is an edge that ends at once.
 
     Notes
     -----
@@ -102,6 +109,7 @@ class Gear(Record):
     bore_radius: float
     rack: Rack
     material: Material
+    tip_run_out: float = 0.0
 
     @property
     def reference_radius(self) -> float:
@@ -284,6 +292,12 @@ class Setup(Record):
         The two gears and how they are mounted.
     operation : Operation
         Load, speed and drive.
+    flanks_given : tuple of MeasuredFlank
+        Measured points of working flanks, instead of the involute.
+    effects : tuple of Record
+        Physical effects that the model names (`gearfem.effects.Effect`).
+    calibration : Calibration
+        Nuisances that were fitted to measurements.
     assumptions : tuple of str
         One sentence for each value that the model file left open and for each default that matters.
     source : str
@@ -293,5 +307,8 @@ class Setup(Record):
     name: str
     pair: GearPair
     operation: Operation
+    flanks_given: tuple[MeasuredFlank, ...] = ()
+    effects: tuple[Record, ...] = ()
+    calibration: Calibration = dataclasses.field(default_factory=Calibration)
     assumptions: tuple[str, ...] = ()
     source: str = ""

@@ -18,20 +18,6 @@ from gearfem.foundation.units import SUFFIXES
 
 HELICAL = "spur gears only: helical gears are not supported: gearfem computes spur gears"
 INTERNAL = "external gears only: internal gears are not supported: gearfem computes external spur gears"
-LATER = "nothing here: this version of gearfem computes healthy, unworn teeth; leave it out"
-SURFACE = (
-    "nothing here: the tip edge rule of the surface's yield pressure belongs to worn teeth, and this version of gearfem "
-    "computes healthy, unworn ones; give tip_edge_radius_mm instead"
-)
-UNWORN_ONLY = {
-    ("effect",): LATER,
-    ("calibration",): LATER,
-    ("pinion", "flank"): LATER,
-    ("wheel", "flank"): LATER,
-    ("material", "surface_yield_pressure_MPa"): SURFACE,
-    ("pinion", "material", "surface_yield_pressure_MPa"): SURFACE,
-    ("wheel", "material", "surface_yield_pressure_MPa"): SURFACE,
-}
 
 Path = tuple[str, ...]
 
@@ -57,8 +43,6 @@ def validate(mapping: Mapping[str, Any]) -> Model:
     tables = _plain(mapping)
     for path, table in list(_entries(tables)):
         _refuse_other_gears(path, table)
-    for path, reason in UNWORN_ONLY.items():
-        _take_out(tables, path, reason)
     try:
         return Model.model_validate(tables)
     except ValidationError as error:
@@ -125,18 +109,6 @@ def _refuse_other_gears(path: Path, table: dict[str, Any]) -> None:
         raise InputError(".".join(path), shown(value), INTERNAL)
 
 
-def _take_out(tables: dict[str, Any], path: Path, reason: str) -> None:
-    """Refuse a part of the format that this version does not compute; an empty one is the same as none."""
-    table: Any = tables
-    for key in path[:-1]:
-        table = table.get(key) if isinstance(table, dict) else None
-    if isinstance(table, dict) and path[-1] in table:
-        value = table.pop(path[-1])
-        if not (value is None or (isinstance(value, (list, dict)) and not value)):
-            found = f"{len(value)} of them" if isinstance(value, list) else shown(value)
-            raise InputError(".".join(path), found, reason)
-
-
 # ---- one line for each problem ----------------------------------------------------------------------
 
 
@@ -145,12 +117,26 @@ def _refusal(kind: str, place: Path, found: object) -> InputError:
     where = "".join(f"[{int(part) + 1}]" if part.isdigit() else f".{part}" for part in place).lstrip(".")
     path = tuple(part for part in place if not part.isdigit())
     if place[-1:] != path[-1:]:
-        return InputError(where, shown(found), f"a table [[{'.'.join(path)}]]")
+        return InputError(where, shown(found), _entry(path))
     if kind == "extra_forbidden":
         return InputError(where, "an unknown key" if _written(path) else "a key that is not text", _nearest(path))
     if kind == "missing":
         return InputError(where, "nothing", f"{allowed(path)}; this key must be given")
     return InputError(where, shown(found), allowed(path))
+
+
+def _of_tables(field: FieldInfo) -> bool:
+    """Return whether a list holds tables rather than numbers."""
+    return typing.get_origin(typing.get_args(field.annotation)[0]) is not typing.Annotated
+
+
+def _entry(path: Path) -> str:
+    """Return what one entry of a list may be."""
+    field: FieldInfo = field_of(path)
+    if _of_tables(field):
+        return f"a table [[{'.'.join(path)}]]"
+    metadata = [item for part in typing.get_args(typing.get_args(field.annotation)[0])[1:] for item in getattr(part, "metadata", [part])]
+    return f"a number{_bounds(metadata)} {_unit(path[-1])}".rstrip()
 
 
 def _written(path: Path) -> bool:
@@ -173,7 +159,7 @@ def allowed(path: Path) -> str:
     """Return what a key may hold, from its type, its bounds and the unit at the end of its name."""
     field: FieldInfo = field_of(path)
     if typing.get_origin(field.annotation) is list:
-        return f"tables [[{'.'.join(path)}]]"
+        return f"tables [[{'.'.join(path)}]]" if _of_tables(field) else f"a list, each {_entry(path)}"
     if typing.get_origin(field.annotation) is typing.Literal:
         return " or ".join(json.dumps(word) for word in typing.get_args(field.annotation))
     kinds = {int: "an integer", float: "a number", str: "text"}

@@ -72,7 +72,7 @@ def test_a_refused_model_ends_in_one_line_and_leaves_nothing(tmp_path, command):
         ("pair.face_width_mm=nan", "nan"),
         ("pinion.profile_shift=-0.5", "contact ratio"),
         ("pair.fase_width_mm=60", "face_width_mm"),
-        ("effect=[{name='tip_relief'}]", "unworn teeth"),
+        ("effect=[{name='tip_releif'}]", "tip_relief (the nearest valid name)"),
         ("nonsense", "key=value"),
     ],
 )

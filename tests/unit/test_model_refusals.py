@@ -146,12 +146,10 @@ OTHER_GEARS = [
     ("internal_wheel", "yes", "internal gears are not supported"),
 ]
 WORN = [
-    ("effect", [{"name": "tip_relief", "gear": "wheel", "amount_um": 20.0, "length_mm": 2.0}], "healthy, unworn teeth"),
-    ("wheel.flank", [{"file": "worn.csv"}], "healthy, unworn teeth"),
-    ("pinion.flank", [{"file": "worn.csv", "tooth": 7}], "healthy, unworn teeth"),
-    ("calibration", {"stiffness_scale": 1.02}, "healthy, unworn teeth"),
-    ("material.surface_yield_pressure_MPa", 5000.0, "tip_edge_radius_mm"),
-    ("wheel.material.surface_yield_pressure_MPa", 5000.0, "tip_edge_radius_mm"),
+    ("wheel.flank", [{"file": "worn.csv"}], "a CSV file, counted from the folder of the model file"),
+    ("pinion.flank", [{"file": "worn.csv", "tooth": 20}], "from 0 up to 19"),
+    ("material.surface_yield_pressure_MPa", 200.0, "several times its tensile yield strength"),
+    ("wheel.material.surface_yield_pressure_MPa", 200.0, "several times its tensile yield strength"),
 ]
 
 

@@ -1,0 +1,39 @@
+"""The nuisances that were fitted to measurements, in SI."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from gearfem.foundation import Array, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Calibration(Record):
+    """What a fit found wrong in a model beside its effects.
+
+    Parameters
+    ----------
+    stiffness_scale : float
+        True stiffness of teeth, bodies and contact over the computed one.
+    torque_scale : float
+        True torques over stated ones.
+    angle_offset : float
+        Pinion angle of the model at which measured angles are 0 [rad].
+    pinion_late, wheel_late : ndarray, shapes (z1,), (z2,) or (0,)
+        Index errors along the line of action [m], positive late; empty: none.
+    offsets : tuple of (str, float)
+        Files of records and the constants in them [m].
+    """
+
+    stiffness_scale: float = 1.0
+    torque_scale: float = 1.0
+    angle_offset: float = 0.0
+    pinion_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
+    wheel_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
+    offsets: tuple[tuple[str, float], ...] = ()
+
+    def offset(self, file: str) -> float:
+        """Return the constant in a record [m], 0 where none was fitted."""
+        return dict(self.offsets).get(file, 0.0)
