@@ -24,7 +24,7 @@ from gearfem.compliance import (
 from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
 from gearfem.compliance.solid_curve import QUICK
 from gearfem.contact import EdgedLine
-from gearfem.contact.scaled import ScaledLaw
+from gearfem.contact.scaled import Law, ScaledLaw
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, make_drive, rigid_motion, unloaded_transport, wheel_torque_sentence
