@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
-from gearfem.definition.setup import Gear, GearPair, Member, Setup
+from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.flank.lead import Lead
+from gearfem.flank.measured import fitted_flanks
 from gearfem.flank.outline import FLANK, Outline
+from gearfem.flank.run_out import with_run_out
 from gearfem.foundation import InputError, Record
 from gearfem.foundation.units import MM
 
@@ -44,7 +48,7 @@ class Flanks(Record):
 
 
 def make_flanks(setup: Setup) -> Flanks:
-    """Return the flanks of a gear pair, and refuse a pair whose flanks interfere.
+    """Return the flanks of a gear pair, measured ones where they are given, and refuse a pair whose flanks interfere.
 
     Parameters
     ----------
@@ -58,7 +62,8 @@ def make_flanks(setup: Setup) -> Flanks:
     Raises
     ------
     InputError
-        If an outline is impossible, a tip cuts into the fillet of its mate, or undercut leaves a contact ratio below 1.
+        If an outline is impossible, measured points cannot be used, a tip cuts into the fillet of its mate, or undercut leaves
+        a contact ratio below 1.
 
     Notes
     -----
@@ -67,18 +72,39 @@ def make_flanks(setup: Setup) -> Flanks:
     and the path of contact then begins at the form circle.
     """
     pair = setup.pair
-    flanks = Flanks(pinion=_outline("pinion", pair.pinion), wheel=_outline("wheel", pair.wheel))
+    pinion, pinion_odd = _outlines(setup, "pinion")
+    wheel, wheel_odd = _outlines(setup, "wheel")
+    flanks = Flanks(pinion=pinion, wheel=wheel, pinion_odd=pinion_odd, wheel_odd=wheel_odd)
     _refuse_interference("pinion", flanks.pinion, flanks.wheel, pair)
     _refuse_interference("wheel", flanks.wheel, flanks.pinion, pair)
     _refuse_short_path(flanks, pair)
     return flanks
 
 
-def _outline(member: Member, gear: Gear) -> Outline:
+def _outlines(setup: Setup, member: Member) -> tuple[Outline, tuple[tuple[int, Outline], ...]]:
+    """Return the outline of most teeth of a gear, and those of single teeth that were measured."""
+    gear = setup.pair.pinion if member == "pinion" else setup.pair.wheel
+    surface = "material.surface_yield_pressure_MPa" if gear.tip_run_out > 0.0 else ""
+    whole = _named(member, surface, lambda: with_run_out(gear))
+    odd: dict[int, Outline] = {}
+    for flank in fitted_flanks(setup):
+        if flank.points.member == member:
+            outline = _named(member, f"flank ({flank.points.file})", partial(Outline, gear=gear, deviation=flank.deviation))
+            if flank.points.tooth is None:
+                whole = outline
+            else:
+                odd[flank.points.tooth] = outline
+    return whole, tuple(sorted(odd.items()))
+
+
+def _named(member: Member, key: str, make: Callable[[], Outline]) -> Outline:
+    """Let the refusal of an outline name the gear, and the key that brought the deviation where one did."""
     try:
-        return Outline(gear=gear)
+        return make()
     except InputError as error:
         where = error.where if error.where.startswith("rack") else f"{member}.{error.where}"
+        if key and error.where in ("deviation", "tip_edge_radius_mm"):
+            where = f"{member}.{key}"
         raise InputError(where, error.found, error.allowed) from None
 
 

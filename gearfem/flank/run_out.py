@@ -8,7 +8,8 @@ from scipy.optimize import brentq
 from gearfem.definition.setup import Gear
 from gearfem.flank.deviation import Deviation
 from gearfem.flank.outline import Outline
-from gearfem.foundation import Array
+from gearfem.foundation import Array, InputError
+from gearfem.foundation.units import MM
 
 
 def with_run_out(gear: Gear) -> Outline:
@@ -47,7 +48,11 @@ def with_run_out(gear: Gear) -> Outline:
 
     reach = 2.0 * gear.tip_run_out + gear.tip_edge_radius
     low = max(outline.flank_end - reach, 0.5 * (outline.flank_start + outline.flank_end))
-    start = brentq(lambda place: cut(place).flank_end - place, low, outline.flank_end + reach, xtol=1e-9 * gear.module)
+    try:
+        start = brentq(lambda place: cut(place).flank_end - place, low, outline.flank_end + reach, xtol=1e-9 * gear.module)
+    except ValueError:
+        found = f"{gear.tip_edge_radius / MM:.4g} mm, running out over {gear.tip_run_out / MM:.4g} mm"
+        raise InputError("tip_edge_radius_mm", found, "a tip edge that leaves a flank below its run-out") from None
     return cut(float(start))
 
 

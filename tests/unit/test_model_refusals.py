@@ -145,9 +145,7 @@ OTHER_GEARS = [
     ("wheel.internal", True, "internal gears are not supported"),
     ("internal_wheel", "yes", "internal gears are not supported"),
 ]
-WORN = [
-    ("wheel.flank", [{"file": "worn.csv"}], "a CSV file, counted from the folder of the model file"),
-    ("pinion.flank", [{"file": "worn.csv", "tooth": 20}], "from 0 up to 19"),
+SURFACES = [
     ("material.surface_yield_pressure_MPa", 200.0, "several times its tensile yield strength"),
     ("wheel.material.surface_yield_pressure_MPa", 200.0, "several times its tensile yield strength"),
 ]
@@ -155,7 +153,7 @@ WORN = [
 
 @pytest.mark.parametrize(
     ("key", "value", "words"),
-    [*RANGES, *((key, REMOVED, words) for key, words in MISSING), *((key, 1.0, words) for key, words in UNKNOWN), *OTHER_GEARS, *WORN],
+    [*RANGES, *((key, REMOVED, words) for key, words in MISSING), *((key, 1.0, words) for key, words in UNKNOWN), *OTHER_GEARS, *SURFACES],
 )
 def test_a_key_is_refused_by_name_in_one_line(key, value, words):
     with pytest.raises(InputError) as refusal:
