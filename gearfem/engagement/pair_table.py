@@ -1,0 +1,300 @@
+"""One tooth pair over its way through the engagement: gap, arms, and its own law of force over approach, as tables."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import itertools
+import math
+from types import ModuleType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from gearfem.contact import Line
+from gearfem.engagement.contacts import REACH, find_contacts
+from gearfem.engagement.engage import LARGEST_OVERLOAD, Mesh
+from gearfem.engagement.record import Contacts
+from gearfem.engagement.teeth import read_compliance
+from gearfem.foundation import Array, Record, SolveError
+
+# Approach levels: from 1e-6 modules and less to where `engage` refuses, exp(0.3) apart: the load is met to 1e-6.
+LOWEST, LEVEL = 3e-8, 0.3
+# Cells to the pitch away from kinks, width of the first cell beside one in pitches, and growth of the next.
+CELLS, FINEST, GROWTH = 192, 4e-5, 1.1
+SEARCH, SECTIONS, ROUNDS = 200, 64, 4
+# A contact point that moves this many times farther in a step than the median has jumped.
+JUMP = 8.0
+GONE = 1.0
+
+
+class Span(NamedTuple):
+    """A part of the way without kinks: its ends in pitches, whether they are kinks, and whether the pair is in reach."""
+
+    start: float
+    end: float
+    sharp: tuple[bool, bool]
+    reach: bool
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class PairTable(Record):
+    """One tooth pair over its local pinion angle x in pitches, 0 at the pitch point of perfect gears; cubics, highest power first.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (c + 1,)
+        Ends of the cells; kinks of gap and law are among them.
+    shape : ndarray, shape (c, 6, 4)
+        Gap, arms l1, l2, friction arms h1, h2 and sliding velocity, over x - knot [m], [m/rad].
+    law : ndarray, shape (c, l, 2, 4)
+        Line load over available approach a at each level, and its derivative over ln a [N/m2].
+    kinks : tuple of float
+        Where contact begins or ends to lie on a tip round, or the contact point jumps.
+    """
+
+    knots: Array
+    shape: Array
+    law: Array
+    kinks: tuple[float, ...]
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class CouplingTable(Record):
+    """Compliance between one pair and a later one over the first one's local angle in pitches.
+
+    Parameters
+    ----------
+    knots : ndarray, shape (c + 1,)
+        Ends of the cells.
+    coupling : ndarray, shape (c, 4)
+        Approach of one per line load on the other [m per N/m], cubics over x - knot.
+    """
+
+    knots: Array
+    coupling: Array
+
+
+@functools.cache
+def kernels() -> ModuleType:
+    """Return the compiled loops; the first call of a process loads the compiler (or its cached code)."""
+    from gearfem.engagement import turn_kernels as module
+
+    return module
+
+
+def levels(module: float) -> Array:
+    """Return the logarithms of the approaches [m] at which laws are tabulated, for a gear module [m]."""
+    top = math.log(REACH / LARGEST_OVERLOAD * module)
+    count = math.ceil((top - math.log(LOWEST * module)) / LEVEL) + 1
+    return np.asarray(top - LEVEL * np.arange(count)[::-1], np.float64)
+
+
+def pair_table(mesh: Mesh, number: int, cells: int = CELLS) -> PairTable:
+    """Tabulate one tooth pair.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        With placement without index errors, runout and supports: these act on whole rows and are added when angles are solved.
+    number : int
+        Number of the pair; its teeth may be odd ones.
+    cells : int
+        Cells to the pitch.
+
+    Returns
+    -------
+    PairTable
+
+    Raises
+    ------
+    SolveError
+        If the pair never touches, or its law does not reach the levels.
+
+    Notes
+    -----
+    Between kinks (ends of the path, ends of the tip rounds, jumps of the contact point), found by section to 1e-9 pitches,
+    splines run over cells that shrink towards the kinks, since the law changes there over the half width of the contact.
+    Levels are exact: samples of the law at given loads start Newton's method at each level. Between knots and levels the load errs by
+    2e-5 where the band just meets an edge, by 2e-6 in 99 of 100 places (tests/truth/test_turns.py).
+    """
+    spans, kinks = _spans(mesh, number)
+    knots = [_graded(span, cells) for span in spans]
+    rows = [_inside(part) for part in knots]
+    contacts = _contacts(mesh, number, np.concatenate(rows))
+    quantities = ("gap", "arm1", "arm2", "friction_arm1", "friction_arm2", "sliding_velocity")
+    values = np.stack([getattr(contacts, name)[:, 0] for name in quantities], axis=1)
+    law = _law(mesh, contacts)
+    columns = np.concatenate([values, law.reshape(len(law), -1)], axis=1)
+    pieces, start = [], 0
+    for span, part in zip(spans, knots, strict=True):
+        end = start + part.size
+        piece = _spline(part, columns[start:end])
+        if not span.reach:
+            piece[:, 0] = [0.0, 0.0, 0.0, GONE]
+        pieces.append(piece)
+        start = end
+    pieces_all = np.concatenate(pieces)
+    return PairTable(
+        knots=np.concatenate([part[:-1] for part in knots] + [knots[-1][-1:]]),
+        shape=pieces_all[:, :6],
+        law=pieces_all[:, 6:].reshape(len(pieces_all), -1, 2, 4),
+        kinks=kinks,
+    )
+
+
+def coupling_table(
+    mesh: Mesh, number: int, apart: int, tables: tuple[PairTable, PairTable], cells: int = CELLS // 4
+) -> CouplingTable | None:
+    """Tabulate the compliance between two pairs, or return None if they are never in reach together.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        As for `pair_table`.
+    number, apart : int
+        Number of the first pair, and by how many pitches the other one follows.
+    tables : (PairTable, PairTable)
+        Of the first pair and of the other.
+    cells : int
+        Cells to the pitch.
+
+    Returns
+    -------
+    CouplingTable or None
+
+    Raises
+    ------
+    SolveError
+        If the compliance does not couple teeth so far apart.
+    """
+    low = max(tables[0].knots[0], tables[1].knots[0] + apart)
+    high = min(tables[0].knots[-1], tables[1].knots[-1] + apart)
+    if not low < high:
+        return None
+    kinks = {*tables[0].kinks, *(kink + apart for kink in tables[1].kinks)}
+    ends = [low, *sorted(kink for kink in kinks if low + FINEST < kink < high - FINEST), high]
+    parts = [_graded(Span(a, b, (a != low, b != high), True), cells) for a, b in itertools.pairwise(ends)]
+    rows = np.concatenate([_inside(part) for part in parts])
+    contacts = _contacts(mesh, number, rows, (number, number + apart))
+    linear = read_compliance(mesh.compliance, contacts).linear
+    values, pieces, start = 0.5 * (linear[:, 0, 1] + linear[:, 1, 0]), [], 0
+    for part in parts:
+        pieces.append(_spline(part, values[start : start + part.size, None])[:, 0])
+        start += part.size
+    return CouplingTable(knots=np.concatenate([part[:-1] for part in parts] + [[high]]), coupling=np.concatenate(pieces))
+
+
+def _contacts(mesh: Mesh, number: int, x: Array, pairs: tuple[int, ...] | None = None) -> Contacts:
+    """Return contacts at local angles x in pitches of the pair of this number."""
+    pitch = mesh.placement.pair.pinion.pitch_angle
+    return find_contacts(mesh.flanks, mesh.placement, (x + number) * pitch, (number,) if pairs is None else pairs)
+
+
+def _spans(mesh: Mesh, number: int) -> tuple[list[Span], tuple[float, ...]]:
+    """Return the parts of the way between kinks."""
+    far = math.ceil(mesh.placement.pair.contact_ratio) + 0.5
+    x = np.linspace(-far, far, round(2.0 * far * SEARCH) + 1)
+    contacts = _contacts(mesh, number, x)
+    code, place = _code(contacts), contacts.u1[:, 0] + contacts.u2[:, 0] * 1j
+    if not (code > 0).any():
+        raise SolveError(f"pair {number} never touches")
+    steps = np.abs(np.diff(place))
+    same = (code[1:] == code[:-1]) & (code[1:] > 0)
+    jumped = same & (steps > JUMP * np.median(steps[same]))
+    low, high = _sections(mesh, number, x, np.flatnonzero((code[1:] != code[:-1]) | jumped))
+    known = np.flatnonzero(code > 0)
+    ends = [(x[0], x[0]), *zip(low, high, strict=True), (x[-1], x[-1])]
+    spans = []
+    for (_, start), (end, _) in itertools.pairwise(ends):
+        middle = 0.5 * (start + end)
+        reach = bool(_code(_contacts(mesh, number, np.array([middle])))[0] > 0)
+        if x[known[0]] - 1.0 / SEARCH < middle < x[known[-1]] + 1.0 / SEARCH:
+            spans.append((start, end, reach))
+    # The two sides of a kink share one end: its width is rounding.
+    shared = [spans[0][0], *(0.5 * (a[1] + b[0]) for a, b in itertools.pairwise(spans)), spans[-1][1]]
+    last = len(spans) - 1
+    found = [Span(shared[i], shared[i + 1], (i > 0, i < last), span[2]) for i, span in enumerate(spans)]
+    return found, tuple(shared[1:-1])
+
+
+def _code(contacts: Contacts) -> NDArray[np.int_]:
+    """Return 0 out of reach, 1 on the flanks, 2 on a tip round."""
+    reach = contacts.reach[:, 0].astype(int)
+    code: NDArray[np.int_] = reach * (1 + (contacts.edge[:, 0] < 0.0))
+    return code
+
+
+def _sections(mesh: Mesh, number: int, x: Array, found: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Narrow the steps of x in which the kind of contact changes or its point jumps; return their ends."""
+    low, high = x[found], x[found + 1]
+    for _ in range(ROUNDS):
+        if not found.size:
+            break
+        points = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, SECTIONS + 1)
+        contacts = _contacts(mesh, number, points.ravel())
+        code = _code(contacts).reshape(points.shape)
+        place = (contacts.u1[:, 0] + 1j * contacts.u2[:, 0]).reshape(points.shape)
+        changed = code[:, 1:] != code[:, :-1]
+        at = np.where(changed.any(axis=1), np.argmax(changed, axis=1), np.argmax(np.abs(np.diff(place, axis=1)), axis=1))
+        rows = np.arange(len(found))
+        low, high = points[rows, at], points[rows, at + 1]
+    return low, high
+
+
+def _graded(span: Span, cells: int) -> Array:
+    """Return knots of a span, closer together beside kinks."""
+    length = span.end - span.start
+    count = max(math.ceil(-math.log(cells * FINEST) / math.log(GROWTH)), 1)
+    ramp = FINEST * (GROWTH ** np.arange(count + 1) - 1.0) / (GROWTH - 1.0)
+    ramp = ramp[ramp < 0.45 * length]
+    first = ramp if span.sharp[0] else ramp[:1]
+    last = length - (ramp if span.sharp[1] else ramp[:1])[::-1]
+    inner = np.linspace(first[-1], last[0], max(math.ceil((last[0] - first[-1]) * cells), 3) + 1)
+    return span.start + np.concatenate([first[:-1], inner, last[1:]])
+
+
+def _inside(knots: Array) -> Array:
+    """Return knots with the ends moved in, clear of the kinks that they lie on."""
+    moved = knots.copy()
+    shift = min(1e-8, 1e-3 * float(np.diff(knots).min()))
+    moved[0], moved[-1] = knots[0] + shift, knots[-1] - shift
+    return moved
+
+
+def _spline(knots: Array, values: Array) -> Array:
+    """Return cubics (c, q, 4) through values (c + 1, q)."""
+    return np.ascontiguousarray(np.moveaxis(CubicSpline(knots, values).c, 0, -1))
+
+
+def _law(mesh: Mesh, contacts: Contacts) -> Array:
+    """Return load over approach and its slope over ln(approach), shape (rows, levels, 2) [N/m2]; 1 and 0 out of reach."""
+    module = mesh.placement.pair.pinion.module
+    steps = levels(module)
+    out = np.stack([np.ones((len(contacts.gap), steps.size)), np.zeros((len(contacts.gap), steps.size))], axis=-1)
+    reach = contacts.reach[:, 0]
+    read = read_compliance(mesh.compliance, contacts)
+    own = read.linear[reach, 0, 0][:, None]
+    line = [values[reach, :1] for values in (contacts.flank_radius, read.depth1, read.depth2, contacts.edge, contacts.edge_radius)]
+
+    def respond(force: Array) -> tuple[Array, Array]:
+        wide = Line(*(np.broadcast_to(values, force.shape).ravel() for values in line))
+        approach = own * force + mesh.law.approach(force.ravel(), wide).reshape(force.shape)
+        return approach, own + mesh.law.compliance(force.ravel(), wide).reshape(force.shape)
+
+    # Loads that the teeth alone would bear at these approaches lie above the levels; samples go on below them.
+    force = np.exp(np.concatenate([steps[0] - LEVEL * np.arange(8, 0, -1), steps])) / own
+    approach, slope = respond(force)
+    loads = np.empty((force.shape[0], steps.size))
+    kernels().resample(np.log(approach), np.log(force), approach / force / slope, steps, loads)
+    loads, wanted = np.exp(loads), np.exp(steps)
+    for _ in range(2):
+        approach, slope = respond(loads)
+        loads = loads + (wanted - approach) / slope
+    if not (loads > 0.0).all():
+        raise SolveError("the contact law could not be tabulated")
+    secant = loads / wanted
+    out[reach] = np.stack([secant, 1.0 / slope - secant], axis=-1)
+    return out

@@ -1,0 +1,351 @@
+"""The engagement over many turns, where every tooth may differ: tables of the distinct pairs, solved angle by angle."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from gearfem.definition.setup import Member
+from gearfem.engagement.contacts import REACH
+from gearfem.engagement.engage import LARGEST_OVERLOAD, Mesh
+from gearfem.engagement.pair_table import LEVEL, CouplingTable, coupling_table, kernels, levels, pair_table
+from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation.record import digest
+from gearfem.foundation.units import MM
+from gearfem.placement import Placement
+
+Table = TypeVar("Table")
+Ints = NDArray[np.int64]
+
+BINS = 1024
+# A table takes 2 MB: a quarter of a gigabyte at most.
+KEPT = 128
+_memory: OrderedDict[str, Any] = OrderedDict()
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class StaticTurns(Record):
+    """The slow engagement at n pinion angles; p pairs are followed at each.
+
+    Parameters
+    ----------
+    pinion_angle, torque : ndarray, shape (n,)
+        Angles [rad] in any order, over any number of turns, and torques on the pinion [N m].
+    transmission_error : ndarray, shape (n,)
+        Lag of the wheel behind perfect rigid gears, along the line of action [m].
+    slope : ndarray, shape (n,)
+        Change of the transmission error with the torque [m per N m].
+    mesh_stiffness : ndarray, shape (n,)
+        Slope of the nominal normal force T1/r_b1 over the transmission error [N/m].
+    first : ndarray of int, shape (n,)
+        Number of the first pair followed; the others come one by one after it.
+    force : ndarray, shape (n, p)
+        Normal force on each pair over the whole face width [N]; 0 where it does not touch.
+    pinion_weight, wheel_weight : ndarray, shape (n, p)
+        Derivatives of the transmission error over the index errors of both teeth of each pair.
+    teeth : (int, int)
+        Numbers of teeth.
+    """
+
+    pinion_angle: Array
+    torque: Array
+    transmission_error: Array
+    slope: Array
+    mesh_stiffness: Array
+    first: Ints
+    force: Array
+    pinion_weight: Array
+    wheel_weight: Array
+    teeth: tuple[int, int]
+
+    @property
+    def pairs(self) -> Ints:
+        """Numbers of the pairs followed, shape (n, p)."""
+        return self.first[:, None] + np.arange(self.force.shape[1])
+
+    def by_index_errors(self, member: Member) -> Array:
+        """Return the derivatives of the transmission error over the index errors of all teeth of a gear, shape (n, z)."""
+        teeth, weight = (self.teeth[0], self.pinion_weight) if member == "pinion" else (self.teeth[1], self.wheel_weight)
+        out = np.zeros((len(weight), teeth))
+        np.add.at(out, (np.arange(len(weight))[:, None], self.pairs % teeth), weight)
+        return out
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Stack:
+    """Tables side by side for the compiled loops, see `turn_kernels`: what the pairs of one record need.
+
+    `tables` (h,) and `partners` (m, h) give the table of each pair of the hunting period, and the coupling table of it and the pair
+    one to m pitches on.
+    """
+
+    tables: Ints
+    knots: Array
+    bins: Ints
+    shape: Array
+    law: Array
+    partners: Ints
+    cknots: Array
+    cbins: Ints
+    coupling: Array
+    early: float
+    count: int
+
+    def arrays(self, lowest: float, late: tuple[Array, Array]) -> tuple[Any, ...]:
+        """Return the arguments of the loops from `early` on."""
+        own = (self.early, self.tables, *late, self.knots, self.bins, self.shape, self.law, lowest, LEVEL)
+        return (*own, self.partners, self.cknots, self.cbins, self.coupling)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Turns(Record):
+    """A pair of gears ready to be turned: tables are made when angles first need them, and kept by their content.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Flanks, placement, compliance and contact law; teeth may be odd, index errors, runout and support are those of the placement.
+
+    Notes
+    -----
+    Only pairs of different kinds are tabulated: one if all teeth are equal, whatever the index errors; another for each
+    combination with an odd tooth that the angles reach. Tables outlive the object: a change of index errors, runout,
+    support, friction or drive costs none.
+    """
+
+    mesh: Mesh
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        placement = self.mesh.placement
+        for name, late, teeth in (
+            ("pinion_late", placement.pinion_late, self.teeth[0]),
+            ("wheel_late", placement.wheel_late, self.teeth[1]),
+        ):
+            if late.shape != (teeth,):
+                raise InputError(f"placement.{name}", f"shape {late.shape}", f"one value per tooth, {teeth}")
+
+    @property
+    def teeth(self) -> tuple[int, int]:
+        """Numbers of teeth of both gears."""
+        return self.mesh.placement.pair.pinion.teeth, self.mesh.placement.pair.wheel.teeth
+
+    @property
+    def hunting(self) -> int:
+        """Number of pairs after which the same two teeth meet again."""
+        return math.lcm(*self.teeth)
+
+    @functools.cached_property
+    def bare(self) -> Mesh:
+        """The mesh without what acts on whole rows: index errors, runout and supports."""
+        none1, none2 = (np.zeros(teeth) for teeth in self.teeth)
+        placement = dataclasses.replace(
+            self.mesh.placement, pinion_late=none1, wheel_late=none2, pinion_runout=(0.0, 0.0), wheel_runout=(0.0, 0.0), support=0.0
+        )
+        return dataclasses.replace(self.mesh, placement=placement)
+
+    @functools.cached_property
+    def kinds(self) -> tuple[list[str], list[str]]:
+        """Digest of outline and compliance of every tooth of both gears."""
+        return self._kinds("pinion", self.teeth[0]), self._kinds("wheel", self.teeth[1])
+
+    def _kinds(self, member: Member, teeth: int) -> list[str]:
+        flanks, compliance = self.mesh.flanks, self.mesh.compliance
+        outlines, yields = flanks.odd(member), compliance.odd(member)
+        usual = digest(flanks.of(member)), digest(compliance.of(member))
+        outline = {tooth: digest(odd) for tooth, odd in outlines.items()}
+        yielding = {tooth: digest(odd) for tooth, odd in yields.items()}
+        return [outline.get(tooth, usual[0]) + yielding.get(tooth, usual[1]) for tooth in range(teeth)]
+
+    @functools.cached_property
+    def common(self) -> str:
+        """Digest of what all pairs share."""
+        return digest((self.bare.placement, self.bare.law, self.bare.flanks.lead))
+
+    @functools.cached_property
+    def _stacks(self) -> dict[bytes, Stack]:
+        return {}
+
+    def kind(self, number: int) -> str:
+        """Return what tells apart the pairs that need tables of their own."""
+        return self.kinds[0][number % self.teeth[0]] + self.kinds[1][number % self.teeth[1]]
+
+    def stack(self, pitches: Array) -> Stack:
+        """Return the tables that pinion angles, in pitches, need."""
+        far = math.ceil(self.mesh.placement.pair.contact_ratio) + 1
+        whole = np.unique(np.floor(pitches).astype(np.int64) % self.hunting)
+        numbers = np.unique((whole[:, None] + np.arange(-far, far + 2)) % self.hunting)
+        if len(set(self.kinds[0])) == len(set(self.kinds[1])) == 1:
+            numbers = np.arange(min(self.hunting, 1))
+        key = numbers.tobytes()
+        if key not in self._stacks:
+            self._stacks[key] = self._make_stack(numbers)
+        return self._stacks[key]
+
+    def _make_stack(self, numbers: Ints) -> Stack:
+        kinds = [self.kind(number) for number in range(self.hunting)]
+        needed = {kinds[number]: int(number) for number in numbers[::-1]}
+        order = {kind: place for place, kind in enumerate(needed)}
+        found = {kind: _kept(self.common + kind, pair_table, self.bare, number) for kind, number in needed.items()}
+        count = math.ceil(max(table.knots[-1] for table in found.values()) - min(table.knots[0] for table in found.values()))
+        wanted = np.array([kind in needed for kind in kinds])
+        partners = np.zeros((max(count - 1, 1), self.hunting), np.int64)
+        joined: dict[str, int] = {}
+        couplings: list[CouplingTable] = [CouplingTable(knots=np.array([-2e9, -1e9]), coupling=np.zeros((1, 4)))]
+        for apart in range(1, count):
+            for number in range(self.hunting):
+                other = (number + apart) % self.hunting
+                if not (wanted[number] and wanted[other]):
+                    continue
+                key = f"{apart}{kinds[number]}{kinds[other]}"
+                if key not in joined:
+                    both = found[kinds[number]], found[kinds[other]]
+                    table = _kept(self.common + key, coupling_table, self.bare, number, apart, both)
+                    joined[key] = len(couplings) if table is not None else 0
+                    couplings += [] if table is None else [table]
+                partners[apart - 1, number] = joined[key]
+        tables = list(found.values())
+        knots, bins = _side_by_side([table.knots for table in tables])
+        cknots, cbins = _side_by_side([table.knots for table in couplings])
+        return Stack(
+            tables=np.array([order.get(kind, 0) for kind in kinds], np.int64),
+            knots=knots,
+            bins=bins,
+            shape=_padded([table.shape for table in tables]),
+            law=_padded([table.law for table in tables]),
+            partners=partners,
+            cknots=cknots,
+            cbins=cbins,
+            coupling=_padded([table.coupling for table in couplings]),
+            early=float(knots[:, 0].min()),
+            count=count,
+        )
+
+
+def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: float = 0.0) -> StaticTurns:
+    """Return the slow engagement at any pinion angles.
+
+    Parameters
+    ----------
+    turns : Turns
+        The gears.
+    pinion_angle : array_like, shape (n,)
+        Angles [rad], in any order and over any number of turns.
+    torque : array_like, shape () or (n,)
+        Torque on the pinion [N m], positive.
+    friction : float
+        Coefficient of tooth friction.
+
+    Returns
+    -------
+    StaticTurns
+
+    Raises
+    ------
+    InputError
+        If a torque is not positive, or moves the teeth beyond what is followed.
+    SolveError
+        If any angle does not converge to 1e-11 of the load.
+
+    Notes
+    -----
+    For every pair j in reach: available approach a_j = (e - gap_j - g) l2/r_b2 - late2_j l2/r_b2 - late1_j l1/r_b1 -
+    sum C_jk F_k - s sum F_k l2/r_b2 >= 0, F_j = K_j(a_j) a_j, and sum F_k (l1 + f sign(v_sl) h1) = T1, by Newton's method.
+    g is the common gap of the runouts, s the yield of the supports. Index errors and runout are of first order: a gap of 10 um moves
+    the contact point by 1e-3 of the module. Against `engage` at random angles the tables err by some 1e-6 of the
+    transmission error (tests/truth/test_turns.py).
+    """
+    placement = turns.mesh.placement
+    pair = placement.pair
+    angle = np.atleast_1d(np.asarray(pinion_angle, float))
+    load = np.ascontiguousarray(np.broadcast_to(np.asarray(torque, float), angle.shape))
+    if not (np.isfinite(angle).all() and np.isfinite(load).all() and (load > 0.0).all()):
+        bad = f"{load.min():g} N m" if np.isfinite(load).all() else "a value that is not finite"
+        raise InputError(
+            "operation.pinion_torque_Nm", bad, "a positive torque at every angle: without one nothing holds the flanks together"
+        )
+    pitches = angle / pair.pinion.pitch_angle
+    stack = turns.stack(pitches)
+    shape = (angle.size, stack.count)
+    error, slope, first = np.full(angle.size, np.nan), np.zeros(angle.size), np.zeros(angle.size, np.int64)
+    force, weight1, weight2 = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    late = placement.pinion_late, placement.wheel_late
+    size = pair.face_width, pair.pinion.base_radius, pair.wheel.base_radius
+    gap = common_gap(placement, angle)
+    tables = stack.arrays(float(levels(pair.pinion.module)[0]), late)
+    failed = kernels().share(
+        pitches, load, gap, float(friction), placement.support, *size, *tables, error, slope, first, force, weight1, weight2
+    )
+    if failed >= 0:
+        _fail(turns, load[failed], angle[failed], math.isfinite(error[failed]))
+    return StaticTurns(
+        pinion_angle=angle,
+        torque=load,
+        transmission_error=error,
+        slope=slope,
+        mesh_stiffness=1.0 / (slope * pair.pinion.base_radius),
+        first=first,
+        force=force,
+        pinion_weight=weight1,
+        wheel_weight=weight2,
+        teeth=turns.teeth,
+    )
+
+
+def common_gap(placement: Placement, pinion_angle: Array) -> Array:
+    """Return the gap that the runouts of both gears open at all pairs [m], of first order, at pinion angles [rad].
+
+    Notes
+    -----
+    The displacement of each toothing's centre along the line of action, which leads from the pinion into the wheel: a pinion moved
+    that way touches earlier, a wheel later. Changes of centre distance move involutes along their line of action only.
+    """
+    normal = math.pi / 2.0 - placement.working_pressure_angle
+    one = np.asarray(pinion_angle) + placement.pinion_start - normal
+    two = np.asarray(pinion_angle) / placement.pair.ratio + placement.wheel_start + normal
+    (x1, y1), (x2, y2) = placement.pinion_runout, placement.wheel_runout
+    gap: Array = -(x1 * np.cos(one) + y1 * np.sin(one)) - (x2 * np.cos(two) + y2 * np.sin(two))
+    return gap
+
+
+def _fail(turns: Turns, torque: float, angle: float, solved: bool) -> None:
+    limit = REACH / LARGEST_OVERLOAD * turns.mesh.placement.pair.pinion.module
+    if solved:
+        found = f"{torque:g} N m, which presses a pair by more than {limit / MM:.4g} mm"
+        raise InputError("operation.pinion_torque_Nm", found, "a torque that moves the teeth by at most a twentieth of the module")
+    raise SolveError(f"load sharing did not converge at {torque:g} N m and a pinion angle of {angle:.6g} rad")
+
+
+def _kept(key: str, make: Callable[..., Table], *args: Any) -> Table:
+    """Return the table of this content, made at need; the last `KEPT` stay."""
+    if key not in _memory:
+        _memory[key] = make(*args)
+    _memory.move_to_end(key)
+    while len(_memory) > KEPT:
+        _memory.popitem(last=False)
+    table: Table = _memory[key]
+    return table
+
+
+def _side_by_side(knots: list[Array]) -> tuple[Array, Ints]:
+    """Return knots padded with their last, and for equal bins of each range the cell at its beginning."""
+    size = max(part.size for part in knots)
+    padded = np.stack([np.concatenate([part, np.full(size - part.size, part[-1])]) for part in knots])
+    places = [np.searchsorted(part, np.linspace(part[0], part[-1], BINS, endpoint=False), side="right") - 1 for part in knots]
+    # The bin of a point at its very edge may round up: one cell back is safe.
+    return padded, np.maximum(np.stack(places) - 1, 0)
+
+
+def _padded(parts: list[Array]) -> Array:
+    size = max(len(part) for part in parts)
+    out = np.zeros((len(parts), size, *parts[0].shape[1:]))
+    for row, part in enumerate(parts):
+        out[row, : len(part)] = part
+    return out
