@@ -154,7 +154,7 @@ def wheel_angle(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.nd
         (broken(lambda x, y: (np.delete(x, slice(400, 440)), np.delete(y, slice(400, 440)))), ("row 401", "a gap of")),
         (broken(lambda x, y: (np.degrees(x), y)), ("column pinion_angle_rad", "degrees")),
         (broken(wheel_angle), ("column pinion_angle_rad", "angles of the wheel")),
-        (broken(many_spikes), ("30 spikes", "isolated")),
+        (broken(many_spikes), (" spikes (row", "isolated")),
         (te(1, 60.0).replace("\n0.03,", "\n0.03,nan,", 1), ("row 1 (line 3)", "3 cells")),
         (te(1, 60.0).replace("transmission_error_um", "transmission_error_mm"), ("header (line 2)", TE)),
         (TE + "\n0.1,\n", ("row 1 (line 2), column transmission_error_um", "an empty cell")),

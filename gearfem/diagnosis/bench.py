@@ -1,0 +1,97 @@
+"""What the diagnosis asks of the model: predictions of records, and how single teeth weigh in them."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearfem.definition.setup import GearPair
+from gearfem.diagnosis.campaign import Measurement
+from gearfem.foundation import Array, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Settings(Record):
+    """What is never exactly as the model's owner believes; all neutral by default.
+
+    Parameters
+    ----------
+    pinion_late, wheel_late : ndarray, shapes (z1,), (z2,)
+        Index errors that come on top of the model's [m], positive where a tooth comes into contact late.
+    angle_offset : float
+        True pinion angle less the recorded one [rad].
+    torque_scale, stiffness_scale, inertia_scale, damping_scale : float
+        True value over the model's, or the record's: torque, stiffness of everything that yields, inertias, damping ratio.
+    gain : float
+        Reading over true value of angle series, accelerations and stiffness.
+    """
+
+    pinion_late: Array
+    wheel_late: Array
+    angle_offset: float = 0.0
+    torque_scale: float = 1.0
+    stiffness_scale: float = 1.0
+    inertia_scale: float = 1.0
+    damping_scale: float = 1.0
+    gain: float = 1.0
+
+
+def neutral(pair: GearPair) -> Settings:
+    """Return the settings of a model that is exactly right."""
+    return Settings(pinion_late=np.zeros(pair.pinion.teeth), wheel_late=np.zeros(pair.wheel.teeth))
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Weights(Record):
+    """Derivatives of the slow transmission error over the index errors of the teeth in reach, at n angles.
+
+    Parameters
+    ----------
+    pairs : ndarray of int, shape (n, p)
+        Numbers of the pairs.
+    pinion, wheel : ndarray, shape (n, p)
+        Derivatives over the lateness of either tooth of each pair; 0 where the pair bears no load.
+    """
+
+    pairs: NDArray[Any]
+    pinion: Array
+    wheel: Array
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Oscillator(Record):
+    """The gears on their mean mesh stiffness: how errors of the teeth come through at speed.
+
+    Parameters
+    ----------
+    frequency : float
+        Natural angular frequency [rad/s].
+    ratio : float
+        Damping ratio.
+    acceleration : float
+        Angular acceleration of the pinion per second derivative of the transmission error [rad/m].
+    """
+
+    frequency: float
+    ratio: float
+    acceleration: float
+
+
+class Bench(Protocol):
+    """A model on the bench."""
+
+    @property
+    def pair(self) -> GearPair:
+        """The gears."""
+
+    def predict(self, record: Measurement, settings: Settings) -> Array:
+        """Return what the record would read [SI], shape (n,): its axis in true angles plus no constant, instrument included."""
+
+    def weights(self, angle: Array, torque: float, settings: Settings) -> Weights:
+        """Return the weights of the teeth in the slow transmission error at true pinion angles [rad] and a stated torque [N m]."""
+
+    def oscillator(self, torque: float, settings: Settings) -> Oscillator:
+        """Return the oscillator of the mesh at a stated torque [N m]."""

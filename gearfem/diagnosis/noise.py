@@ -1,0 +1,248 @@
+"""The noise of a record: what does not come back with the turns of either gear."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+from scipy.stats import t as student
+
+from gearfem.definition.setup import GearPair
+from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.whitening import Whitener, make_whitener
+from gearfem.foundation import Array, Record
+
+Basis = Literal["repeats", "roughness", "stated", "assumed"]
+LAGS = 12
+# Differences of turns that are fewer say less than the roughness of the whole record.
+FEWEST = 120
+BLOCK = 24
+TRIALS = 16
+MAD = 1.4826
+# What is assumed where nothing can be measured: Kw is read to 1 % at best, indicators to 1 um.
+ASSUMED = {"dynamic_factor": 0.01, "radial_runout": 1e-6, "pitch_deviation": 1e-6, "flank_profile": 1e-6}
+NOT_ROUGH = ("dynamic_factor", "radial_runout", "pitch_deviation")
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Noise(Record):
+    """Noise of one record.
+
+    Parameters
+    ----------
+    basis : {"repeats", "roughness", "stated", "assumed"}
+        Where it comes from: what does not repeat, what is rougher than any signal, the campaign, or nowhere.
+    covariance : ndarray, shape (p + 1,)
+        Covariance over lags of 0 to p samples, the square of the quantity's SI unit.
+    freedom : float
+        Degrees of freedom of the estimate; infinite for a stated one (given as 1e9).
+    measured_std : float
+        Standard deviation as measured [SI unit]; 0 where it could not be.
+    whitener : Whitener
+        Makes it white.
+    sentence : str
+        Where it comes from, and whether it agrees with what the campaign states.
+    """
+
+    basis: Basis
+    covariance: Array
+    freedom: float
+    measured_std: float
+    whitener: Whitener
+    sentence: str
+
+    @property
+    def std(self) -> float:
+        """Standard deviation [SI unit]."""
+        return math.sqrt(float(self.covariance[0]))
+
+    def limit(self, chance: float) -> float:
+        """Return the limit of a whitened value that noise passes, on either side, with this chance: Student's, for few repeats."""
+        return float(student.ppf(1.0 - 0.5 * chance, self.freedom))
+
+    def spectrum(self, cycles: Array) -> Array:
+        """Return the standard deviation of the noise per unit band [SI unit] at frequencies in cycles per sample, up to 0.5."""
+        order = len(self.covariance) - 1
+        lags = np.exp(-2j * np.pi * np.asarray(cycles)[:, None] * np.arange(1, order + 1))
+        gain = np.abs(1.0 - lags @ self.whitener.predictor[order])
+        return np.asarray(math.sqrt(2.0) * self.whitener.deviation[order] / gain)
+
+
+def measure_noise(record: Measurement, pair: GearPair, explained: Array | None = None) -> Noise:
+    """Return the noise of a record, its colour included.
+
+    Parameters
+    ----------
+    record : Measurement
+        Any record.
+    pair : GearPair
+        The gears, for the periods of what repeats.
+    explained : ndarray, shape (n,), optional
+        What a fitted model makes of the record, taken off first: the errors of teeth that share a load act on each other, and such a
+        combination of teeth does not come back with either gear.
+
+    Returns
+    -------
+    Noise
+
+    Notes
+    -----
+    With y = P + W + noise, P of the pinion's turns and W of the wheel's (the mesh belongs to both), the double difference
+    y(x + a + b) - y(x + a) - y(x + b) + y(x) over one turn a of the pinion and one turn b of the wheel holds noise alone, and its
+    covariance at lags short against a turn is four times the noise's. Records over a hunting period are differenced over it
+    once. Shorter ones than 1 + z2/z1 turns have no repeats: third differences of the samples stand in, taken as white. Only the
+    quieter half of the differences counts. A stated deviation is a floor; where more than it does not repeat, the rest is taken
+    for teeth that act on each other, and the colour from the roughness, as that of a process of first order.
+    """
+    if explained is not None:
+        record = dataclasses.replace(record, value=record.value - explained)
+    rest = _rest(record, pair)
+    basis: Basis = "assumed"
+    covariance, freedom = np.zeros(1), 1e9
+    if rest is not None:
+        covariance, freedom = _covariance(*rest)
+        basis = "repeats"
+    elif record.quantity.name not in NOT_ROUGH and record.keep.sum() >= 24:
+        covariance, freedom = _roughness(record.value[record.keep])
+        basis = "roughness"
+    measured = math.sqrt(float(covariance[0]))
+    sentence = _words(basis, measured, freedom, record)
+    covariance, basis = _reconciled(covariance, basis, freedom, record)
+    return Noise(
+        basis=basis,
+        covariance=covariance,
+        freedom=freedom,
+        measured_std=measured,
+        whitener=make_whitener(covariance, record.keep),
+        sentence=sentence,
+    )
+
+
+def _reconciled(covariance: Array, basis: Basis, freedom: float, record: Measurement) -> tuple[Array, Basis]:
+    """Return the measured covariance, or one of the stated deviation where that is larger, or where the record holds more than noise."""
+    measured, stated = math.sqrt(float(covariance[0])), record.noise_std
+    if measured == 0.0:
+        return np.array([(stated or ASSUMED[record.quantity.name]) ** 2]), "stated" if stated else "assumed"
+    if stated is None:
+        return covariance, basis
+    if measured > (1.0 + 4.0 / math.sqrt(2.0 * freedom)) * stated:
+        return _first_order(stated, math.sqrt(float(_roughness(record.value[record.keep])[0][0]))), "stated"
+    return covariance * max(1.0, stated / measured) ** 2, basis
+
+
+def _first_order(std: float, rough: float) -> Array:
+    """Return the covariance of white noise, or of noise of first order whose third differences are smoother than white noise's."""
+    smoothness = (rough / std) ** 2
+    if smoothness > 0.8:
+        return np.array([std**2])
+    roots = np.roots([-2.0, 12.0, -30.0, 20.0 * (1.0 - smoothness)])
+    memory = float(roots[np.argmin(np.abs(roots.imag))].real)
+    return std**2 * np.array([1.0, min(max(memory, 0.0), 0.98)])
+
+
+def _words(basis: Basis, measured: float, freedom: float, record: Measurement) -> str:
+    unit, scale = record.quantity.unit, record.to_file
+    stated = record.noise_std
+    if basis == "assumed":
+        size = (stated or ASSUMED[record.quantity.name]) * scale
+        return f"noise of {size:.3g} {unit} {'as stated' if stated else 'assumed: nothing in the record shows it'}".rstrip()
+    where = "what does not repeat" if basis == "repeats" else "roughness, since the record covers too few turns to repeat"
+    text = f"noise of {measured * scale:.3g} {unit} from {where} ({freedom:.0f} degrees of freedom)"
+    if stated is None:
+        return text
+    spread = 1.0 + 4.0 / math.sqrt(2.0 * freedom)
+    if measured > spread * stated:
+        return f"{text}, {measured / stated:.2g} times the stated {stated * scale:.3g} {unit}: teeth act on each other, or something drifts"
+    if measured < stated / spread:
+        return f"{text}, below the stated {stated * scale:.3g} {unit}, which is taken"
+    return f"{text}, as stated"
+
+
+# ---- what does not repeat -----------------------------------------------------------------------------
+
+
+def _rest(record: Measurement, pair: GearPair) -> tuple[Array, int] | None:
+    """Return differences that hold noise alone, and how many samples of it each holds; None where turns are too few."""
+    turn = 2.0 * math.pi
+    hunting = turn * pair.wheel.teeth / math.gcd(pair.pinion.teeth, pair.wheel.teeth)
+    periods: tuple[float, ...] = (hunting,) if np.ptp(record.axis) > 1.2 * hunting else (turn, turn * pair.ratio)
+    if record.quantity.axis == "tooth":
+        periods = (float((pair.wheel if record.gear == "wheel" else pair.pinion).teeth),)
+    elif record.quantity.axis != "angle":
+        return None
+    axis, value = record.axis[record.keep], record.value[record.keep]
+    for period in periods:
+        shifted, valid = _shifted(axis, value, period)
+        axis, value = axis[valid], shifted - value[valid]
+    return (value, 2 ** len(periods)) if len(value) >= FEWEST else None
+
+
+def _shifted(axis: Array, value: Array, period: float) -> tuple[Array, NDArray[Any]]:
+    """Return the samples nearest to one period later, moved there along their slope, and the rows that have one."""
+    valid = np.flatnonzero(axis + period <= axis[-1]) if len(axis) else np.empty(0, int)
+    if not len(valid):
+        return np.empty(0), valid
+    place = axis[valid] + period
+    nearest = np.clip(np.searchsorted(axis, place), 1, len(axis) - 1)
+    nearest -= place - axis[nearest - 1] < axis[nearest] - place
+    # The slope over five samples adds a hundredth to the variance; a line between neighbours would take up to half of it away.
+    slope = np.zeros(len(value))
+    if len(value) > 5:
+        slope[2:-2] = (2.0 * (value[4:] - value[:-4]) + value[3:-1] - value[1:-3]) / (2.5 * (axis[4:] - axis[:-4]))
+    return value[nearest] + slope[nearest] * (place - axis[nearest]), valid
+
+
+def _covariance(difference: Array, copies: int) -> tuple[Array, float]:
+    """Return the covariance of the noise over the lags that matter, and its degrees of freedom, from the quieter half of the record.
+
+    Where teeth act on each other, at the changes of pairs of a lightly loaded mesh above all, the double difference holds more than
+    noise. What choosing the quieter half takes from pure noise is found by doing the same to noise of the colour found.
+    """
+    raw = _quiet_half(difference)
+    if raw[0] <= 0.0:
+        return np.zeros(1), float(len(difference))
+    rng = np.random.default_rng(1)
+    white = rng.standard_normal((TRIALS, len(difference) + 8 * LAGS))
+    share, covariance = 1.0, raw
+    for _ in range(2):
+        covariance = raw / (copies * share)
+        covariance = covariance[: 1 + _order(covariance, len(difference))]
+        model = make_whitener(covariance, np.ones(1, bool))
+        taps = np.concatenate([[1.0], -model.predictor[-1]]) if len(covariance) > 1 else np.ones(1)
+        noise = model.deviation[-1] * lfilter([1.0], taps, white, axis=1)[:, 8 * LAGS :]
+        share = float(np.mean([_quiet_half(one)[0] for one in noise])) / float(covariance[0])
+    return covariance, 0.5 * len(difference)
+
+
+def _quiet_half(series: Array) -> Array:
+    """Return the covariance over all lags in the half of the blocks that has the least power."""
+    count = (len(series) - LAGS) // BLOCK
+    size = count * BLOCK
+    products = np.stack([(series[:size] * series[lag : lag + size]).reshape(count, BLOCK).mean(axis=1) for lag in range(LAGS + 1)])
+    quiet = np.argsort(products[0])[: (count + 1) // 2]
+    return np.asarray(products[:, quiet].mean(axis=1))
+
+
+def _order(covariance: Array, count: int) -> int:
+    """Return the order of the autoregression that describes a covariance, by Schwarz' criterion."""
+    best, order = math.inf, 0
+    for k in range(len(covariance)):
+        try:
+            deviation = float(make_whitener(covariance[: k + 1], np.ones(1, bool)).deviation[-1])
+        except ValueError:
+            break
+        # Half of the differences count, and each holds samples that others hold too.
+        score = count / 4.0 * 2.0 * math.log(deviation) + k * math.log(count)
+        if score < best:
+            best, order = score, k
+    return order
+
+
+def _roughness(value: Array) -> tuple[Array, float]:
+    """Return the variance of white noise from third differences, by their median, which steps and bends of the signal do not move."""
+    rough = np.diff(value, 3) / math.sqrt(20.0)
+    return np.array([(MAD * float(np.median(np.abs(rough)))) ** 2]), len(rough) / 3.0

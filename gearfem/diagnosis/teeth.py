@@ -1,0 +1,156 @@
+"""Columns of the scatter of single teeth: index errors and waviness, in records of every kind."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+from scipy.signal import cont2discrete, lfilter
+
+from gearfem.definition.setup import GearPair
+from gearfem.diagnosis.bench import Bench, Oscillator, Settings, Weights
+from gearfem.diagnosis.campaign import Measurement
+from gearfem.foundation import Array, Record
+from gearfem.foundation.units import UM
+
+# Ring-down to a thousandth before the record begins, at most so many turns of the pinion.
+RING_DOWN, LONGEST_LEAD = math.log(1e3), 4.0
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Scatter(Record):
+    """What is expected of the single teeth of both gears; neither belongs to an effect.
+
+    Parameters
+    ----------
+    index : float
+        Standard deviation of an index error [m].
+    waviness : float
+        Standard deviation of a flank about its own mean [m].
+    terms : int
+        Legendre polynomials over the path of contact that describe the waviness of one flank, from the first degree up.
+    """
+
+    index: float = 1.0 * UM
+    waviness: float = 0.2 * UM
+    terms: int = 5
+
+    def deviations(self, pair: GearPair) -> Array:
+        """Return the prior standard deviation of every column [m], shape ((z1 + z2) (terms + 1),)."""
+        degrees = np.arange(1, self.terms + 1)
+        wavy = self.waviness * np.sqrt((2.0 * degrees + 1.0) / self.terms)
+        return np.tile(np.concatenate([[self.index], wavy]), pair.pinion.teeth + pair.wheel.teeth)
+
+
+def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter: Scatter) -> Array:
+    """Return the derivatives of a record over the scatter of all teeth.
+
+    Parameters
+    ----------
+    record : Measurement
+        Any record; stiffness and Kw do not feel scatter to first order, and radial runout not at all.
+    bench : Bench
+        The model.
+    settings : Settings
+        Where it stands.
+    scatter : Scatter
+        How many terms describe a flank.
+
+    Returns
+    -------
+    ndarray, shape (n, (z1 + z2) (terms + 1))
+        Tooth by tooth, the pinion's first; of each tooth the index error, then the terms of its waviness.
+
+    Notes
+    -----
+    Slow transmission error: the weight of each pair times the polynomial where it touches. At speed the columns of the slow one pass
+    the oscillator of the mean stiffness, x'' + 2 zeta omega x' + omega^2 (x - u) = 0, which leaves out the parametric part.
+    """
+    name, pair = record.quantity.name, bench.pair
+    if name == "static_transmission_error":
+        angle = record.axis + settings.angle_offset
+        return settings.gain * _slow(bench.weights(angle, record.pinion_torque, settings), angle, pair, scatter.terms)
+    if name in ("dynamic_transmission_error", "pinion_angular_acceleration"):
+        return settings.gain * _at_speed(record, bench, settings, scatter.terms)
+    out = np.zeros((len(record.axis), pair.pinion.teeth + pair.wheel.teeth, scatter.terms + 1))
+    first = pair.pinion.teeth if record.gear == "wheel" else 0
+    if name == "flank_profile":
+        assert record.tooth is not None
+        out[:, first + record.tooth, 1:] = _polynomials(_path_of_roll(record, pair), pair, scatter.terms)[:, 1:]
+    if name == "pitch_deviation":
+        teeth = pair.wheel.teeth if record.gear == "wheel" else pair.pinion.teeth
+        out[np.arange(len(record.axis)), first + record.axis.astype(int) % teeth, 0] = 1.0
+    return out.reshape(len(record.axis), -1)
+
+
+def _polynomials(path: Array, pair: GearPair, terms: int) -> Array:
+    """Return Legendre polynomials of degree 0 to `terms` over the path of contact [m], 0 at the pitch point; shape (..., terms + 1)."""
+    reach = 0.5 * (pair.approach_length + pair.recess_length)
+    place = (path - 0.5 * (pair.recess_length - pair.approach_length)) / reach
+    return np.asarray(legendre.legvander(np.clip(place, -1.0, 1.0), terms))
+
+
+def _path_of_roll(record: Measurement, pair: GearPair) -> Array:
+    gear, sign = (pair.wheel, -1.0) if record.gear == "wheel" else (pair.pinion, 1.0)
+    return sign * (record.axis - gear.base_radius * math.tan(pair.working_pressure_angle))
+
+
+def _slow(weights: Weights, angle: Array, pair: GearPair, terms: int) -> Array:
+    count, z1, z2 = len(angle), pair.pinion.teeth, pair.wheel.teeth
+    out = np.zeros((count, z1 + z2, terms + 1))
+    rows = np.arange(count)
+    for slot in range(weights.pairs.shape[1]):
+        number = weights.pairs[:, slot]
+        shape = _polynomials((angle / pair.pinion.pitch_angle - number) * pair.base_pitch, pair, terms)
+        # Slots hold different teeth at one angle, so that plain sums do not collide.
+        out[rows, number % z1] += weights.pinion[:, slot, None] * shape
+        out[rows, z1 + number % z2] += weights.wheel[:, slot, None] * shape
+    return out.reshape(count, -1)
+
+
+def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:
+    oscillator = bench.oscillator(record.pinion_torque, settings)
+    speed = record.pinion_speed
+    step = min(float(np.median(np.diff(record.axis))), 0.15 * speed / oscillator.frequency)
+    ring = RING_DOWN * speed / (max(oscillator.ratio, 1e-3) * oscillator.frequency)
+    start = record.axis[0] - min(ring, LONGEST_LEAD * 2.0 * math.pi)
+    grid = np.arange(start, record.axis[-1] + 2.0 * step, step)
+    angle = grid + settings.angle_offset
+    slow = _slow(bench.weights(angle, record.pinion_torque, settings), angle, bench.pair, terms)
+    moving = respond(slow, step / speed, oscillator, record.quantity.name == "pinion_angular_acceleration")
+    place = (record.axis - grid[0]) / step
+    below = np.minimum(place.astype(int), len(grid) - 2)
+    part = (place - below)[:, None]
+    return np.asarray((1.0 - part) * moving[below] + part * moving[below + 1])
+
+
+def respond(excitation: Array, step: float, oscillator: Oscillator, acceleration: bool) -> Array:
+    """Return the response of the mesh to displacement excitations.
+
+    Parameters
+    ----------
+    excitation : ndarray, shape (n, k)
+        Slow transmission errors at equal steps of time [m].
+    step : float
+        Time step [s].
+    oscillator : Oscillator
+        Mean stiffness and damping of the mesh.
+    acceleration : bool
+        Whether the pinion's angular acceleration is wanted [rad/s2], or the transmission error [m].
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        From rest at the first excitation; exact for excitations that run straight between the steps.
+    """
+    square = oscillator.frequency**2
+    above = [oscillator.acceleration * square, 0.0, 0.0] if acceleration else [square]
+    below = [1.0, 2.0 * oscillator.ratio * oscillator.frequency, square]
+    system: Any = cont2discrete((above, below), step, method="foh")
+    numerator: NDArray[Any] = np.atleast_2d(system[0])[0]
+    base = 0.0 if acceleration else excitation[0]
+    return np.asarray(lfilter(numerator, system[1], excitation - excitation[0], axis=0)) + base
