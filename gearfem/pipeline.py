@@ -24,7 +24,7 @@ from gearfem.compliance import (
 from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
 from gearfem.compliance.solid_curve import QUICK
 from gearfem.contact import EdgedLine
-from gearfem.contact.scaled import Law, ScaledLaw
+from gearfem.contact.scaled import Law
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, make_drive, rigid_motion, unloaded_transport, wheel_torque_sentence
@@ -103,8 +103,10 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
     flanks = _flanks(bare, of("flank"))
     compliance = _compliance(flanks, bare, of("compliance"))
     placement = _act(_late(make_placement(setup), fitted), of("placement"), bare)
-    pair = setup.pair
-    law: Law = EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material)
+    # A stiffness scale is one of Young's moduli: every compliance, the contact's too, depends on force over modulus alone.
+    materials = (gear.material for gear in (setup.pair.pinion, setup.pair.wheel))
+    pinion, wheel = (dataclasses.replace(steel, youngs_modulus=fitted.stiffness_scale * steel.youngs_modulus) for steel in materials)
+    law: Law = EdgedLine(pinion=pinion, wheel=wheel)
     drive = dataclasses.replace(
         drive, pinion_torque=drive.pinion_torque * fitted.torque_scale, wheel_torque=drive.wheel_torque * fitted.torque_scale
     )
@@ -113,7 +115,7 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
         flanks=flanks,
         compliance=_softer(compliance, 1.0 / fitted.stiffness_scale),
         placement=placement,
-        law=ScaledLaw(law=_act(law, of("contact"), bare), scale=1.0 / fitted.stiffness_scale),
+        law=_act(law, of("contact"), bare),
         drive=_act(drive, of("drive"), bare),
         instrument=_act(Instrument(), of("sensing"), bare),
     )

@@ -155,6 +155,11 @@ class Effect(Record):
         """Return the fields by their keys in files."""
         return {cls.key(field.name): field.name for field in dataclasses.fields(cls)}
 
+    @classmethod
+    def of_one_gear(cls) -> bool:
+        """Return whether it acts on one of the two gears."""
+        return any(field.name == "gear" for field in dataclasses.fields(cls))
+
     @property
     def member(self) -> Member:
         """The gear it acts on; "pinion" where it acts on no single one."""

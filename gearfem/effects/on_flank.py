@@ -6,6 +6,8 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from gearfem.definition.setup import Member
 from gearfem.flank import Deviation, Flanks, Outline
 from gearfem.foundation import Array
@@ -36,10 +38,17 @@ def without(flanks: Flanks, member: Member, depth: Callable[[Array], Array], too
     else:
         whole = flanks.of(member)
         odd[tooth] = _less(odd.get(tooth, whole), depth)
-    changes: dict[str, Any] = {member: whole, f"{member}_odd": tuple(sorted(odd.items()))}
+    differing = ((number, outline) for number, outline in sorted(odd.items()) if not _alike(outline, whole))
+    changes: dict[str, Any] = {member: whole, f"{member}_odd": tuple(differing)}
     return dataclasses.replace(flanks, **changes)
 
 
 def _less(outline: Outline, depth: Callable[[Array], Array]) -> Outline:
     before = outline.deviation or Deviation.none(outline.gear)
     return dataclasses.replace(outline, deviation=before.plus(depth))
+
+
+def _alike(one: Outline, two: Outline) -> bool:
+    """Return whether two outlines of a gear miss the same metal; then neither is odd."""
+    first, second = (outline.deviation or Deviation.none(outline.gear) for outline in (one, two))
+    return np.array_equal(first.roll, second.roll) and np.array_equal(first.depth, second.depth)

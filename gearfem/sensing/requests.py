@@ -1,0 +1,168 @@
+"""What can be asked of a system: one class for each quantity that a campaign may hold, all in SI."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import ClassVar
+
+import numpy as np
+
+from gearfem.definition.setup import Member
+from gearfem.engagement.turns import StaticTurns, Turns, common_gap, static
+from gearfem.foundation import Array, Record
+from gearfem.sensing.system import System
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Request(Record):
+    """A series that an instrument is asked for.
+
+    Parameters
+    ----------
+    axis : ndarray, shape (n,)
+        Pinion angles [rad], pinion speeds [rad/s], roll lengths [m] or numbers of teeth, as the quantity has it; angles are those of
+        the record, so that a fitted angle zero acts on them.
+    pinion_torque, pinion_speed : float
+        As the record states them [N m], [rad/s]; 0 where the quantity has none.
+    gear : {"pinion", "wheel"}
+        Gear of a record of one gear.
+    tooth : int
+        Tooth of a flank.
+    file : str
+        Name of the record, under which a fitted constant is looked up.
+    """
+
+    quantity: ClassVar[str]
+
+    axis: Array
+    pinion_torque: float = 0.0
+    pinion_speed: float = 0.0
+    gear: Member = "pinion"
+    tooth: int = 0
+    file: str = ""
+
+    def of(self, system: System) -> Array:
+        """Return the values over the axis [SI], shape (n,)."""
+        raise NotImplementedError
+
+
+def slowly(system: System, angle: Array, stated_torque: float) -> StaticTurns:
+    """Return the slow engagement at the angles of a record.
+
+    Parameters
+    ----------
+    system : System
+        The gears.
+    angle : ndarray, shape (n,)
+        Pinion angles of the record [rad].
+    stated_torque : float
+        Torque that the record states [N m].
+
+    Returns
+    -------
+    StaticTurns
+
+    Notes
+    -----
+    A ripple of the wheel's braking torque reaches the pinion times z1/z2. The gears turn forward, so that friction acts.
+    """
+    turned = angle + system.setup.calibration.angle_offset
+    share = 1.0 / system.setup.pair.ratio
+    torque = np.full(len(turned), system.torque(stated_torque))
+    for ripple in system.drive.ripples:
+        seen = 1.0 if ripple.member == "pinion" else share
+        torque = torque + seen * ripple.amplitude * np.cos(ripple.order * seen * turned + ripple.phase)
+    return static(Turns(mesh=system.mesh), turned, torque, system.drive.friction_coefficient)
+
+
+class StaticError(Request):
+    """Transmission error of the slowly turning gears [m] over the pinion angle."""
+
+    quantity = "static_transmission_error"
+
+    def of(self, system: System) -> Array:
+        """Return the wheel's lag along the line of action [m]."""
+        error = slowly(system, self.axis, self.pinion_torque).transmission_error
+        return system.instrument.read_slow(error) + system.setup.calibration.offset(self.file)
+
+
+class MeshStiffness(Request):
+    """Slope of force against deflection on the line of action [N/m] over the pinion angle."""
+
+    quantity = "mesh_stiffness"
+
+    def of(self, system: System) -> Array:
+        """Return the mesh stiffness over the whole face width [N/m]."""
+        return system.instrument.read_slow(slowly(system, self.axis, self.pinion_torque).mesh_stiffness)
+
+
+class FlankProfile(Request):
+    """Metal missing from one flank along the normal [m] over the roll length."""
+
+    quantity = "flank_profile"
+
+    def of(self, system: System) -> Array:
+        """Return the depth [m], positive into the tooth."""
+        outline = system.flanks.odd(self.gear).get(self.tooth, system.flanks.of(self.gear))
+        return np.zeros_like(self.axis) if outline.deviation is None else outline.deviation.at(self.axis)
+
+
+class RadialRunout(Request):
+    """Reading of a fixed radial indicator at each tooth of a mounted gear [m]."""
+
+    quantity = "radial_runout"
+
+    def of(self, system: System) -> Array:
+        """Return the reading [m], largest at the tooth that stands out farthest."""
+        placement, pair = system.placement, system.setup.pair
+        gear, (towards, along) = (pair.pinion, placement.pinion_runout) if self.gear == "pinion" else (pair.wheel, placement.wheel_runout)
+        place = self.axis * gear.pitch_angle
+        return towards * np.cos(place) + along * np.sin(place) + system.setup.calibration.offset(self.file)
+
+
+class PitchDeviation(Request):
+    """Index deviation of each tooth of a mounted gear [m], positive late."""
+
+    quantity = "pitch_deviation"
+
+    def of(self, system: System) -> Array:
+        """Return the index deviations along the line of action [m], runout included as it shows at the pitch point."""
+        none = {"wheel_runout": (0.0, 0.0)} if self.gear == "pinion" else {"pinion_runout": (0.0, 0.0)}
+        placement = dataclasses.replace(system.placement, **none)  # type: ignore[arg-type]
+        late = placement.pinion_late if self.gear == "pinion" else placement.wheel_late
+        gap = common_gap(placement, self.axis * placement.pair.pinion.pitch_angle)
+        number = np.round(self.axis).astype(int) % len(late)
+        return np.asarray(late[number] + gap + system.setup.calibration.offset(self.file))
+
+
+@functools.cache
+def requests() -> Mapping[str, type[Request]]:
+    """Return the kinds of request by the quantity's name in campaigns."""
+    kinds: dict[str, type[Request]] = {kind.quantity: kind for kind in Request.__subclasses__()}
+    return MappingProxyType(kinds)
+
+
+def observe(system: System, request: Request) -> Array:
+    """Predict what an instrument reads.
+
+    Parameters
+    ----------
+    system : System
+        The gears with all their effects, from `gearfem.pipeline.assemble`.
+    request : Request
+        What was measured, where and under which torque and speed.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Values over the axis of the request, in SI.
+
+    Raises
+    ------
+    InputError, SolveError
+        As the engagement and the dynamics do.
+    """
+    return request.of(system)
