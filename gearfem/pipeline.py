@@ -35,7 +35,7 @@ from gearfem.effects.effect import Effect
 from gearfem.effects.effect import Stage as EffectStage
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
-from gearfem.flank import Flanks, make_flanks, path_of_contact
+from gearfem.flank import Flanks, fitted_flanks, make_flanks, path_of_contact
 from gearfem.foundation import Array, InputError, Record, digest
 from gearfem.foundation.cache import remembered
 from gearfem.foundation.progress import Progress, quiet
@@ -333,8 +333,9 @@ def _undercut(flanks: Flanks, setup: Setup) -> tuple[str, ...]:
 def _sentences(setup: Setup) -> tuple[str, ...]:
     """Return what acts on the pair beyond its design, one sentence each."""
     effects = tuple(f"Effect: {effect.describe()}." for effect in in_history(effects_in(setup)))
+    fits = tuple(flank.sentence for flank in fitted_flanks(setup))
     plain = digest(setup.calibration) == digest(Calibration())
-    return effects if plain else (*effects, "Fitted values of [calibration] act on stiffness, torque and tooth spacing.")
+    return (*fits, *effects) if plain else (*fits, *effects, "Fitted values of [calibration] act on stiffness, torque and tooth spacing.")
 
 
 def _with_compliance(results: Results, comparison: bool, progress: Progress) -> Results:

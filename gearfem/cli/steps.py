@@ -43,6 +43,7 @@ from gearfem.report import (
     write_compliance,
     write_dynamics,
     write_kinematics,
+    write_measured_flanks,
     write_motion_pictures,
     write_pictures,
     write_render,
@@ -79,6 +80,8 @@ def everything(setup: Setup, out: Path, progress: Progress) -> Done:
     results = run_chain(setup, comparison=True, progress=progress)
     files = [write_compliance(results, out), write_body(setup, _bodies(results.flanks), out)]
     files += [write_stiffness(results, out), write_kinematics(results, out), *write_dynamics(results, out)]
+    if setup.flanks_given:
+        files.append(write_measured_flanks(results, out))
     files.append(write_summary(results, out))
     progress("pictures", 0, 3)
     renderings = [_draw(results.setup, results.flanks, member, out) for member in MEMBERS]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gearfem.report.body_table import write_body
+    from gearfem.report.flank_plots import write_measured_flanks
     from gearfem.report.html import write_report
     from gearfem.report.motion_plots import write_motion_pictures, write_sweep_pictures
     from gearfem.report.plots import write_pictures
@@ -23,6 +24,7 @@ __all__ = [
     "write_compliance",
     "write_dynamics",
     "write_kinematics",
+    "write_measured_flanks",
     "write_motion_pictures",
     "write_pictures",
     "write_render",
@@ -36,6 +38,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "flank_plots": ("write_measured_flanks",),
     "html": ("write_report",),
     "motion_plots": ("write_motion_pictures", "write_sweep_pictures"),
     "plots": ("write_pictures",),

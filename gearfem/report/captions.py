@@ -15,6 +15,14 @@ def _pair(values: Values) -> str:
     )
 
 
+def _measured_flanks(values: Values) -> str:
+    return (
+        "Metal missing along the normal of the involute as measured, and the fit that stands for it: polynomials joined in value and "
+        "slope, degrees and breakpoints chosen by cross-validation, then one cubic spline. Beyond the points it runs out to a constant. Outliers "
+        "carry the numbers of their rows; the assumptions hold one sentence for each flank, measured_flanks.csv every point."
+    )
+
+
 def _compliance(values: Values) -> str:
     text = (
         "Deflection along the load line, where that line crosses the tooth's centreline, for 1 N per mm of face width. "
@@ -112,6 +120,7 @@ def _dynamic_factor(values: Values) -> str:
 
 CAPTIONS: dict[str, tuple[str, Callable[[Values], str]]] = {
     "pair": ("Teeth in engagement", _pair),
+    "measured_flanks": ("Measured flanks", _measured_flanks),
     "compliance": ("Tooth compliance", _compliance),
     "mesh_stiffness": ("Mesh stiffness", _stiffness),
     "load_share": ("Load sharing", _load_share),

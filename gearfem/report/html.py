@@ -21,6 +21,7 @@ from gearfem.report.summary import summarise
 
 FILES = {
     "summary.json": "the numbers of this page and more",
+    "measured_flanks.csv": "points of measured flanks, their use, fit and residual",
     "compliance.csv": "deflection per line load over the load radius",
     "body.csv": "that deflection taken apart: tooth, body, wind-up; what the next teeth feel",
     "mesh_stiffness.csv": "stiffness, transmission error and load shares over the pinion angle",
