@@ -18,8 +18,8 @@ def _pair(values: Values) -> str:
 def _measured_flanks(values: Values) -> str:
     return (
         "Metal missing along the normal of the involute as measured, and the fit that stands for it: polynomials joined in value and "
-        "slope, degrees and breakpoints chosen by cross-validation, then one cubic spline. Beyond the points it runs out to a constant. Outliers "
-        "carry the numbers of their rows; the assumptions hold one sentence for each flank, measured_flanks.csv every point."
+        "slope, degrees and breakpoints chosen by cross-validation, then one cubic spline. Beyond the points it runs out to a constant. "
+        "Outliers carry the numbers of their rows; the assumptions hold one sentence for each flank, measured_flanks.csv every point."
     )
 
 

@@ -76,8 +76,10 @@ def _residuals(axis: Axes, flank: FittedFlank) -> None:
     axis.plot(flank.roll[flank.kept] / MM, flank.residual[flank.kept] / UM, "o", color=style.BLUE, markersize=size, alpha=0.6)
     _outliers(axis, flank, flank.residual)
     _breaks(axis, flank, None)
-    axis.set_title(f"standard deviation {flank.residual_std / UM:.3g} µm (shaded), cross-validation {flank.cross_validation / UM:.3g} µm")
+    axis.set_title(f"standard deviation {flank.residual_std / UM:.3g} µm (shaded)")
     axis.set_xlabel("roll length, mm")
+    margin = 0.1 * (flank.roll[-1] - flank.roll[0])
+    axis.set_xlim((flank.roll[0] - margin) / MM, (flank.roll[-1] + margin) / MM)
 
 
 def _outliers(axis: Axes, flank: FittedFlank, values: Array) -> None:
