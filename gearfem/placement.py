@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 
-from gearfem.definition.setup import GearPair, Setup
-from gearfem.foundation import Array, Record
+from gearfem.definition.setup import Gear, GearPair, Setup, involute
+from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.units import MM
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,21 +60,104 @@ def make_placement(setup: Setup) -> Placement:
     Returns
     -------
     Placement
-
-    Notes
-    -----
-    The pinion's working flank leads its tooth's axis by the half angle at the working pitch circle, the
-    wheel's trails it.
     """
     pair = setup.pair
-    share = pair.centre_distance / (pair.pinion.teeth + pair.wheel.teeth)
+    start1, start2 = _starts(pair, pair.centre_distance)
     return Placement(
         pair=pair,
         centre_distance=pair.centre_distance,
         working_pressure_angle=pair.working_pressure_angle,
-        pinion_start=-pair.pinion.half_angle(share * pair.pinion.teeth),
-        wheel_start=pair.wheel.half_angle(share * pair.wheel.teeth),
+        pinion_start=start1,
+        wheel_start=start2,
         pinion_late=np.zeros(pair.pinion.teeth),
         wheel_late=np.zeros(pair.wheel.teeth),
         normal_backlash=pair.working_backlash,
     )
+
+
+def mounted(placement: Placement, centre_distance: float) -> Placement:
+    """Return the same gears at another centre distance, angle 0 again that of pair 0 at the pitch point.
+
+    Parameters
+    ----------
+    placement : Placement
+        Of the gears so far.
+    centre_distance : float
+        New distance of the axes [m].
+
+    Returns
+    -------
+    Placement
+        With the working pressure angle of cos(alpha_w) = (r_b1 + r_b2)/a, and the play grown by
+        2 (r_b1 + r_b2) (inv(alpha_w) - inv(alpha_w before)); all else as it was.
+
+    Raises
+    ------
+    InputError
+        If the base circles of the gears would overlap.
+    """
+    pair = placement.pair
+    bases = pair.pinion.base_radius + pair.wheel.base_radius
+    if not centre_distance > bases:
+        raise InputError("pair.centre_distance_mm", f"{centre_distance / MM:.4f} mm", f"more than both base radii, {bases / MM:.4f} mm")
+    angle = math.acos(bases / centre_distance)
+    start1, start2 = _starts(pair, centre_distance)
+    return dataclasses.replace(
+        placement,
+        centre_distance=centre_distance,
+        working_pressure_angle=angle,
+        pinion_start=start1,
+        wheel_start=start2,
+        normal_backlash=placement.normal_backlash + 2.0 * bases * (involute(angle) - involute(placement.working_pressure_angle)),
+    )
+
+
+def runout_gap(placement: Placement, pinion_angle: Array) -> tuple[Array, Array]:
+    """Return what the eccentricities add to the gaps of all pairs, and its change with the pinion's angle.
+
+    Parameters
+    ----------
+    placement : Placement
+        With the eccentricities E1 and E2 of both toothings.
+    pinion_angle : ndarray, shape (n,)
+        Angles [rad].
+
+    Returns
+    -------
+    gap : ndarray, shape (n,)
+        [m].
+    slope : ndarray, shape (n,)
+        [m/rad].
+
+    Notes
+    -----
+    A toothing that is displaced moves its flanks along the line of action f, the pinion's towards the wheel's and
+    the wheel's away from the pinion's: gap = E2 f - E1 f. Tooth 0 of the pinion stands at phi + pinion_start, that of the
+    wheel at pi - phi/i - wheel_start in the fixed frame; teeth are counted clockwise on the pinion,
+    anticlockwise on the wheel. First order: pressure angle and contact point shift with the centre distance, which adds
+    gaps of the order E^2/a, and E/a times the slope of the flanks' deviations and of gaps off the path.
+    """
+    first, slope1 = _along_action(placement, placement.pinion_runout, pinion_angle + placement.pinion_start, -1.0)
+    turned = pinion_angle / placement.pair.ratio
+    second, slope2 = _along_action(placement, placement.wheel_runout, np.pi - turned - placement.wheel_start, 1.0)
+    return second - first, -slope2 / placement.pair.ratio - slope1
+
+
+def _along_action(placement: Placement, runout: tuple[float, float], tooth: Array, counting: float) -> tuple[Array, Array]:
+    """Return the part of an eccentricity along the line of action, and its change with the angle of the tooth."""
+    beside = np.pi / 2.0 - placement.working_pressure_angle - tooth
+    towards, across = runout[0], counting * runout[1]
+    return towards * np.cos(beside) + across * np.sin(beside), towards * np.sin(beside) - across * np.cos(beside)
+
+
+def _starts(pair: GearPair, centre_distance: float) -> tuple[float, float]:
+    """Return the starts of both gears with pair 0 at the pitch point.
+
+    The pinion's working flank leads its tooth's axis by the half angle at the working pitch circle, the wheel's trails it.
+    """
+    share = centre_distance / (pair.pinion.teeth + pair.wheel.teeth)
+
+    def half(gear: Gear) -> float:
+        return gear.half_angle(share * gear.teeth)
+
+    return -half(pair.pinion), half(pair.wheel)

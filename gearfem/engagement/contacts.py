@@ -1,4 +1,4 @@
-"""Where unworn teeth touch: on the line of action, and with their corners before and behind it."""
+"""Where teeth touch: unworn ones on the line of action and with their corners, worn ones where a search finds them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearfem.engagement.corners import Touch, bounded, corner_on_corner, corners, nearest_edge, pinion_corner, wheel_corner, within
+from gearfem.definition.setup import Member
+from gearfem.engagement.corners import (
+    FOLLOWED,
+    Touch,
+    bounded,
+    corner_on_corner,
+    corners,
+    nearest_edge,
+    pinion_corner,
+    wheel_corner,
+    within,
+)
 from gearfem.engagement.record import Contacts
-from gearfem.flank import Flanks
+from gearfem.engagement.search import search_contacts
+from gearfem.flank import Flanks, Outline
 from gearfem.foundation import Array
-from gearfem.placement import Placement
+from gearfem.placement import Placement, runout_gap
 
-# Gap in modules beyond which contacts are not followed; `engage` refuses loads that could close it.
+# Gap in modules, beyond the depths of wear, up to which contacts are followed; `engage` refuses loads that could close it.
 REACH = 0.2
+# Angles that differ by less are one contact to the search: 1e-14 m and less on the line of action.
+ONE_ANGLE = 1e-13
 
 
 def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pairs: tuple[int, ...]) -> Contacts:
@@ -30,7 +44,7 @@ def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pai
     pinion_angle : ndarray, shape (n,)
         Angles of the pinion [rad].
     pairs : tuple of int
-        Pairs to look at.
+        Pairs to look at; pair k is pinion tooth k mod z1 with wheel tooth k mod z2.
 
     Returns
     -------
@@ -39,30 +53,84 @@ def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pai
     Raises
     ------
     SolveError
-        If the wheel's angle of a corner contact does not converge.
+        If the wheel's angle of a corner contact, or a contact point of worn flanks, does not converge.
 
     Notes
     -----
     Two kinds of contact exist for unworn teeth: involute on involute, on the straight line of action, and a
     corner of one tooth on the involute of the other, before and behind it: a tip round, or the edge that undercut
-    leaves at the form circle.
+    leaves at the form circle. Pairs with a worn tooth go to `search_contacts`. A late tooth is an exact shift: the
+    pinion's turns its pair back by e1/r_b1, and both add to the gap. Runout is added to the gaps of all pairs in first
+    order (`runout_gap`).
     """
-    angle = np.asarray(pinion_angle, float)[:, None] - np.asarray(pairs)[None, :] * placement.pair.pinion.pitch_angle
-    corners1, corners2 = corners(flanks.pinion), corners(flanks.wheel)
-    kinds = [_on_path(flanks, placement, angle)]
-    kinds += [pinion_corner(flanks, placement, corner, angle) for corner in corners1]
-    kinds += [wheel_corner(flanks, placement, corner, angle) for corner in corners2]
-    kinds += [corner_on_corner(placement, edge, corners2[0], angle) for edge in corners1[1:]]
-    kinds += [corner_on_corner(placement, corners1[0], edge, angle) for edge in corners2[1:]]
+    pinion_angle, gear1, gear2 = np.asarray(pinion_angle, float), placement.pair.pinion, placement.pair.wheel
+    late1 = placement.pinion_late[np.asarray(pairs) % gear1.teeth]
+    late2 = placement.wheel_late[np.asarray(pairs) % gear2.teeth]
+    angle = pinion_angle[:, None] - np.asarray(pairs)[None, :] * gear1.pitch_angle - late1 / gear1.base_radius
+    alike: dict[tuple[int, int], tuple[Flanks, list[int]]] = {}
+    for column, pair in enumerate(pairs):
+        teeth = Flanks(pinion=_tooth(flanks, "pinion", pair % gear1.teeth), wheel=_tooth(flanks, "wheel", pair % gear2.teeth))
+        alike.setdefault((id(teeth.pinion), id(teeth.wheel)), (teeth, []))[1].append(column)
+    found, columns = [], []
+    for teeth, those in alike.values():
+        found.append(_touches(teeth, placement, angle[:, those]))
+        columns += those
+    order = np.argsort(columns)
+    parts: list[Any] = [np.concatenate(values, axis=1)[:, order] for values in zip(*(touches for touches, _ in found), strict=True)]
+    touch, gap = Touch(*parts), np.concatenate([gaps for _, gaps in found], axis=1)[:, order]
+    return _contacts(placement, pinion_angle, pairs, touch, gap + (late1 + late2) + runout_gap(placement, pinion_angle)[0][:, None])
+
+
+def _tooth(flanks: Flanks, member: Member, number: int) -> Outline:
+    return flanks.odd(member).get(number, flanks.of(member))
+
+
+def _touches(flanks: Flanks, placement: Placement, angle: Array) -> tuple[Touch, Array]:
+    """Return the first touch of pairs of the same two outlines, and their gaps before index errors and runout."""
+    path = _on_path(flanks, placement, angle)
+    module, base2 = placement.pair.wheel.module, placement.pair.wheel.base_radius
     ideal = angle / placement.pair.ratio
-    base2 = placement.pair.wheel.base_radius
+    if flanks.pinion.worn or flanks.wheel.worn:
+        kinds = [_searched(flanks, placement, angle, path)]
+    else:
+        corners1, corners2 = corners(flanks.pinion), corners(flanks.wheel)
+        kinds = [path]
+        kinds += [pinion_corner(flanks, placement, corner, angle) for corner in corners1]
+        kinds += [wheel_corner(flanks, placement, corner, angle) for corner in corners2]
+        kinds += [corner_on_corner(placement, edge, corners2[0], angle) for edge in corners1[1:]]
+        kinds += [corner_on_corner(placement, corners1[0], edge, angle) for edge in corners2[1:]]
     # The first touch is the smallest lag of the wheel; a pair out of reach gets a lag of one module.
-    lags = np.stack([np.where(kind.reach, (ideal - kind.wheel_angle) * base2, placement.pair.wheel.module) for kind in kinds])
-    lags[0][kinds[0].reach] = 0.0
-    lags[lags > REACH * placement.pair.wheel.module] = placement.pair.wheel.module
+    lags = np.stack([np.where(kind.reach, (ideal - kind.wheel_angle) * base2, module) for kind in kinds])
+    if kinds[0] is path:
+        lags[0][path.reach] = 0.0
+    limit = REACH * module + flanks.pinion.deepest + flanks.wheel.deepest
+    lags[lags > limit] = module
     first = np.argmin(lags, axis=0)
     chosen = Touch(*(_choose(first, [kind[field] for kind in kinds]) for field in range(len(Touch._fields))))
-    return _contacts(placement, np.asarray(pinion_angle, float), pairs, chosen, np.min(lags, axis=0))
+    gap: Array = np.min(lags, axis=0)
+    return chosen._replace(reach=chosen.reach & (gap <= limit)), gap
+
+
+def _searched(flanks: Flanks, placement: Placement, angle: Array, path: Touch) -> Touch:
+    """Return the touch of worn teeth; where there is none, `path` fills the row."""
+    pinion, wheel, pitch = flanks.pinion, flanks.wheel, placement.pair.pinion.pitch_angle
+    slope = math.tan(placement.working_pressure_angle)
+    last = pinion.flank_end / pinion.gear.base_radius - slope + FOLLOWED * pitch
+    first = (wheel.gear.base_radius * slope - wheel.flank_end) / pinion.gear.base_radius - FOLLOWED * pitch
+    near = (angle > first) & (angle < last)
+    _, once, again = np.unique(np.round(angle[near] / ONE_ANGLE), return_index=True, return_inverse=True)
+    here = angle[near][once]
+    found = search_contacts(pinion, wheel, placement, here)
+    # Angles that count as one keep their own distance from the wheel's angle.
+    aside = (angle[near] - here[again]) / placement.pair.ratio
+    touched = found.reach[again]
+    rows = np.zeros(angle.shape, bool)
+    rows[near] = touched
+    filled: dict[str, Any] = {name: np.array(values) for name, values in path._asdict().items()}
+    for name, values in found._asdict().items():
+        filled[name][rows] = values[again][touched]
+    filled["wheel_angle"][rows] += aside[touched]
+    return Touch(**{**filled, "reach": rows})
 
 
 def _choose(first: NDArray[np.intp], options: list[Any]) -> Any:
@@ -79,7 +147,7 @@ def _contacts(placement: Placement, pinion_angle: Array, pairs: tuple[int, ...],
     return Contacts(
         pinion_angle=pinion_angle,
         pairs=pairs,
-        reach=touch.reach & (gap <= REACH * placement.pair.wheel.module),
+        reach=touch.reach,
         gap=gap,
         u1=touch.u1,
         u2=touch.u2,

@@ -131,7 +131,7 @@ def pinion_corner(flanks: Flanks, placement: Placement, corner: Corner, angle: A
     point = centre + corner.round * _unit(direction)
     # Travel on the involute by the roll length of the centre; on the round by the turn of the normal.
     roll_rate = distance * corner.radius * np.sin(polar) / (bounded(wheel, roll2) + corner.round)
-    turn = -roll_rate / wheel.gear.base_radius - _ratio(distance, point, direction) - 1.0
+    turn = -roll_rate / wheel.gear.base_radius - rigid_ratio(distance, point, direction) - 1.0
     inside, u1, edge = corner.parameters(direction - axis1)
     end = corner.roll / corner.outline.gear.base_radius - math.tan(placement.working_pressure_angle)
     beyond = (angle - end) / corner.outline.gear.pitch_angle * (1.0 if corner.at_tip else -1.0)
@@ -229,7 +229,7 @@ def corner_on_corner(placement: Placement, first: Corner, second: Corner, angle:
     inside1, u1, edge1 = first.parameters(direction - axis1)
     inside2, u2, edge2 = second.parameters(direction - axis2)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = _ratio(distance, point, direction)
+        ratio = rigid_ratio(distance, point, direction)
     # The normal turns with the velocity of one centre seen from the other.
     moving = np.stack([ratio * centre2[..., 1] + centre1[..., 1], ratio * (distance - centre2[..., 0]) - centre1[..., 0]], axis=-1)
     turn = (moving[..., 1] * np.cos(direction) - moving[..., 0] * np.sin(direction)) / apart
@@ -263,7 +263,7 @@ def _touched(pinion: Outline, distance: float, corner: Corner, axis2: Array) -> 
     centre = np.stack([distance - corner.radius * np.cos(polar2), -corner.radius * np.sin(polar2)], axis=-1)
     required, roll1 = _axis_of_offset_involute(pinion, centre, corner.round)
     direction = pinion.flank_direction(roll1) + required
-    return centre, required, roll1, direction, _ratio(distance, centre - corner.round * _unit(direction), direction)
+    return centre, required, roll1, direction, rigid_ratio(distance, centre - corner.round * _unit(direction), direction)
 
 
 def _wheel_axis(pinion: Outline, placement: Placement, corner: Corner, axis1: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -295,6 +295,13 @@ def _wheel_axis(pinion: Outline, placement: Placement, corner: Corner, axis1: Ar
     raise SolveError("the contact of a corner of the wheel with the pinion's flank did not converge")
 
 
+def rigid_ratio(distance: float, point: Array, direction: Array) -> Array:
+    """Return dphi2/dphi1 = l1/l2 of a rigid contact with its force along `direction`."""
+    x, y = point[..., 0], point[..., 1]
+    fx, fy = np.cos(direction), np.sin(direction)
+    return (x * fy - y * fx) / ((distance - x) * fy + y * fx)
+
+
 def _unit(direction: Array) -> Array:
     return np.stack([np.cos(direction), np.sin(direction)], axis=-1)
 
@@ -319,10 +326,3 @@ def _axis_of_offset_involute(outline: Outline, centre: Array, edge: float) -> tu
     involute = offset / base - np.arctan(offset / base)
     polar = np.arctan2(centre[..., 1], centre[..., 0])
     return polar - (outline.gear.base_half_angle + edge / base - involute), offset - edge
-
-
-def _ratio(distance: float, point: Array, direction: Array) -> Array:
-    """Return dphi2/dphi1 = l1/l2 of a rigid contact with its force along `direction`."""
-    x, y = point[..., 0], point[..., 1]
-    fx, fy = np.cos(direction), np.sin(direction)
-    return (x * fy - y * fx) / ((distance - x) * fy + y * fx)

@@ -27,8 +27,9 @@ class Contacts(Record):
     reach : ndarray of bool
         Whether the pair has a contact point on flank or tip round at all.
     gap : ndarray
-        Lag of the wheel at which the pair touches, times its base radius: distance to the perfect involutes
-        along the line of action [m]. 0 on the path of contact; where `reach` is false it is a bound that no load closes.
+        Lag of the wheel at which the pair touches, times its base radius: distance to the perfect involutes at the
+        centre distance as mounted, along the line of action [m]. 0 on the path of contact of unworn teeth; positive where
+        metal is missing or a tooth is late; where `reach` is false it is a bound that no load closes.
     u1, u2 : ndarray
         Contact points as parameters of the two outlines.
     point : ndarray, shape (n, p, 2)
@@ -41,7 +42,7 @@ class Contacts(Record):
         Distances h1, h2 of the contact point from the feet of the two arms, along the normal [m]. A friction
         force F_t = f P sign(v_sl) takes F_t h1 from the pinion and gives F_t h2 to the wheel.
     equivalent_radius : ndarray
-        Equivalent radius of curvature at the contact point [m].
+        Equivalent radius of curvature at the contact point [m]; of worn flanks at most ten times that of involutes.
     flank_radius : ndarray
         The same of the two flanks, as if they went on past their tip rounds [m].
     edge, edge_radius : ndarray
@@ -71,6 +72,11 @@ class Contacts(Record):
     rolling_velocity2: Array
     sliding_velocity: Array
 
+    @property
+    def on_flanks(self) -> NDArray[Any]:
+        """Whether flanks touch, not a tip round or the edge of an undercut; of unworn teeth the path of contact."""
+        return self.reach & (self.edge >= 0.0)
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Engagement(Record):
@@ -87,9 +93,9 @@ class Engagement(Record):
     transmission_error : ndarray, shape (n,)
         Lag of the wheel behind perfect rigid gears, along the line of action [m].
     mesh_stiffness, secant_stiffness : ndarray, shape (n,)
-        Slope and secant of the nominal normal force T1/r_b1 over the transmission error [N/m].
+        Slope and secant of the nominal normal force T1/r_b1 over the transmission error, counted from the first touch [N/m].
     single_stiffness : ndarray, shape (n, p)
-        Secant stiffness of each pair, were it to carry the whole load alone [N/m]; 0 off the path of contact.
+        Secant stiffness of each pair, were it to carry the whole load alone [N/m]; 0 where its flanks do not touch.
     contact_pressure : ndarray, shape (n, p)
         Largest pressure on each pair, Hertz's but where its band runs over a tip edge [Pa]; 0 where it does not touch.
     gear_ratio, gear_ratio_unloaded, gear_ratio_force : ndarray, shape (n,)
@@ -137,7 +143,7 @@ class MeshForce(Record):
     pinion_friction, wheel_friction : ndarray, shape (n, m)
         Sums of P sign(v_sl) h1 and P sign(v_sl) h2: moments per unit coefficient of friction [N m].
     unloaded_error : ndarray, shape (n,)
-        Transmission error of the rigid gears (0 for unworn teeth) [m].
+        Transmission error of the rigid gears (0 for perfect ones) [m].
     sliding_reversals : ndarray, shape (k,)
         Angles at which the sliding of a pair changes its sign, where the friction tables jump [rad].
     base_radius1, base_radius2, normal_backlash, mean_stiffness : float

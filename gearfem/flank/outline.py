@@ -12,13 +12,15 @@ from numpy.typing import ArrayLike
 from gearfem.definition.setup import Gear
 from gearfem.flank.deviation import Deviation
 from gearfem.flank.fillet import Fillet
-from gearfem.flank.involute import Involute, Side, WornInvolute, no_round
+from gearfem.flank.involute import SAMPLES, Involute, Side, WornInvolute, no_round
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import MM
 
 ROOT, FILLET, FLANK, ROUND, TIP, END = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 # Loads act from FLANK to here: past the middle of its tip round a tooth has left its mate by a tenth of the module.
 LOADED_END = 3.5
+# A turn of the outline between fillet and flank [rad] that is rounding and no edge.
+SMALLEST_EDGE = 1e-9
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -94,6 +96,13 @@ class Outline(Record):
         """Whether metal is missing from the involute, or stands out."""
         return isinstance(self._side, WornInvolute)
 
+    @cached_property
+    def deepest(self) -> float:
+        """Largest depth that is missing, or stands out, on the flank [m]; 0 of an involute."""
+        if self.deviation is None or not self.worn:
+            return 0.0
+        return float(np.abs(self.deviation.at(np.linspace(self.flank_start, self.flank_end, SAMPLES))).max())
+
     # ---- fillet ---------------------------------------------------------------------------------
 
     @cached_property
@@ -104,6 +113,11 @@ class Outline(Record):
     def undercut(self) -> bool:
         """Whether the fillet cuts into the involute."""
         return self._cut.undercut
+
+    @property
+    def edged(self) -> bool:
+        """Whether fillet and flank meet in an edge: by undercut, or by wear that begins with a slope at the form circle."""
+        return self.undercut_turn > SMALLEST_EDGE
 
     @property
     def undercut_turn(self) -> float:
@@ -178,7 +192,7 @@ class Outline(Record):
     def at_radius(self, radius: ArrayLike) -> Array:
         """Return u of flank and tip round at radii [m], which count as form or tip radius beyond them."""
         bounded: Array = np.clip(np.asarray(radius, float), self.form_radius, self.gear.tip_radius)
-        u = self.parameter(self._side.roll_at(np.minimum(bounded, self.flank_end_radius)))
+        u = np.maximum(self.parameter(self._side.roll_at(np.minimum(bounded, self.flank_end_radius))), FLANK)
         over = bounded > self.flank_end_radius
         if over.any():
             edge, centre = self.gear.tip_edge_radius, self.round_centre[1]
@@ -208,11 +222,11 @@ class Outline(Record):
         ndarray, shape (..., 2)
             x along the tooth's axis and y towards the described side, from the gear's centre [m].
         """
-        return self._evaluate(u)[0]
+        return self.evaluate(u)[0]
 
     def normal(self, u: ArrayLike) -> Array:
         """Return unit normals that point out of the metal, shape (..., 2)."""
-        direction = self._evaluate(u)[1]
+        direction = self.evaluate(u)[1]
         return np.stack([np.cos(direction), np.sin(direction)], axis=-1)
 
     def curvature(self, u: ArrayLike) -> Array:
@@ -234,8 +248,8 @@ class Outline(Record):
         flank = self._side.curvature(self.roll_length(u))
         return np.where(u <= ROUND, flank, np.where(u <= TIP, 1.0 / gear.tip_edge_radius, 1.0 / gear.tip_radius))
 
-    def _evaluate(self, u: ArrayLike) -> tuple[Array, Array]:
-        """Return points (..., 2) and directions of the outward normal [rad] (...)."""
+    def evaluate(self, u: ArrayLike) -> tuple[Array, Array]:
+        """Return points (..., 2) [m] and polar angles of the outward normal (...) [rad]."""
         u = np.asarray(u, float)
         if u.size and (u.min() < ROOT or u.max() > END):
             raise ValueError(f"the outline's parameter runs from 0 to 5, not to {u.min():g} or {u.max():g}")
