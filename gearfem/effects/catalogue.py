@@ -10,6 +10,7 @@ import importlib.metadata
 import importlib.util
 import math
 import pkgutil
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType, ModuleType
@@ -19,7 +20,7 @@ import gearfem.effects
 from gearfem.definition.setup import Setup
 from gearfem.definition.validate import shown
 from gearfem.effects.effect import HISTORY, MEMBERS, STAGES, Effect
-from gearfem.foundation import InputError
+from gearfem.foundation import InputError, digest
 from gearfem.foundation.units import factor
 
 ENTRY_POINTS = "gearfem.effects"
@@ -83,13 +84,20 @@ def effects_from(path: str | Path) -> list[type[Effect]]:
     InputError
         If it cannot be read or defines no effect.
     """
-    path = Path(path)
-    spec = importlib.util.spec_from_file_location(f"gearfem_effect_{path.stem}", path)
+    path = Path(path).resolve()
+    name = f"gearfem_effect_{digest(str(path))[:16]}"
+    spec = importlib.util.spec_from_file_location(name, path)
     if not path.is_file() or spec is None or spec.loader is None:
-        raise InputError("effect file", str(path), "a Python file that can be read")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    kinds = effects_of(module)
+        raise InputError("effect file", str(path), "a Python file (*.py) that can be read")
+    if name not in sys.modules:
+        # Dataclasses look their module up here; a file read twice gives the same classes.
+        sys.modules[name] = importlib.util.module_from_spec(spec)
+        try:
+            spec.loader.exec_module(sys.modules[name])
+        except BaseException:
+            del sys.modules[name]
+            raise
+    kinds = effects_of(sys.modules[name])
     if not kinds:
         raise InputError("effect file", f"{path} without an effect", "a file with a subclass of gearfem.effects.Effect that has a name")
     return kinds
