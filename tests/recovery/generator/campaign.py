@@ -1,0 +1,260 @@
+"""One blind case: a pair, the truth behind it, its records, and the label that only the scorer reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from . import twins
+from .design import draw_model, draw_pair, draw_specs, draw_truth, nominal_system
+from .effects import GEARS, Effect
+from .gear import Array
+from .hidden import HIDDEN
+from .observe import Spec, axis, measure
+from .sizes import AT_SPEED, SINGLE, draw, equivalent
+from .strength import Scale
+from .system import Scatter, System
+
+LEVELS = {"easy": (5.5, 14.0), "medium": (2.3, 4.7), "weak": (0.15, 0.7), "hidden": (6.0, 18.0)}
+KINDS = ("single", "double", "none", "hidden", "twins", "weak")
+LEAD = ("lead_misalignment", "crowning", "end_relief")
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is measured (`model`, `specs`, `series`) and what is true (`truth`, `label`); `measure_more` takes further records."""
+
+    name: str
+    kind: str
+    model: dict[str, Any]
+    angle_zero: str
+    specs: list[Spec]
+    series: list[tuple[Array, Array]]
+    truth: System
+    label: dict[str, Any]
+    seed: tuple[int, ...] = ()
+    coloured: bool = False
+    deciding: list[Spec] = field(default_factory=list)
+
+    def measure_more(self, spec: Spec) -> tuple[Array, Array]:
+        """Take one more record of the same true pair, with noise of its own, reproducibly."""
+        rng = np.random.default_rng([*self.seed, 77, sum(map(ord, spec.file))])
+        return read(self.truth, spec, self.coloured, rng)
+
+
+def read(truth: System, spec: Spec, coloured: bool, rng: np.random.Generator, clean: Array | None = None) -> tuple[Array, Array]:
+    """Columns of one record: the clean reading, its unknown constant, and noise (coloured noise keeps its size)."""
+    values = measure(truth, spec) if clean is None else clean
+    noise = rng.normal(0.0, 1.0, len(values))
+    if coloured and len(values) > 300:
+        rho = rng.uniform(0.6, 0.9)
+        for i in range(1, len(noise)):
+            noise[i] = rho * noise[i - 1] + np.sqrt(1 - rho**2) * noise[i]
+    constant = rng.uniform(-20.0, 20.0) if spec.constant else 0.0
+    return axis(truth, spec), values + constant + spec.noise * noise
+
+
+def make_case(seed: int | tuple[int, ...], kind: str = "single", effect: str | None = None, level: str | None = None) -> Case:
+    """Return the case of a seed and kind; `effect` (or hidden cause, or twin) and `level` may be fixed for singles.
+
+    Raises
+    ------
+    RuntimeError
+        When ten campaigns in a row cannot show the wanted cause at the wanted strength.
+    """
+    key = (seed,) if isinstance(seed, int) else tuple(seed)
+    for attempt in range(10):
+        rng = np.random.default_rng([*key, KINDS.index(kind), attempt])
+        case = _attempt(key, kind, effect, level, rng)
+        if case is not None:
+            return case
+    raise RuntimeError(f"no campaign shows {effect or kind} at the wanted strength (seed {key})")
+
+
+def _attempt(key: tuple[int, ...], kind: str, effect: str | None, level: str | None, rng: np.random.Generator) -> Case | None:
+    pair = draw_pair(rng)
+    model = draw_model(pair, rng)
+    known_zero = bool(rng.random() < 0.3)
+    healthy, nuisances = draw_truth(nominal_system(pair, model), known_zero, rng)
+    names = _names(kind, effect, rng)
+    fast = rng.random() < 0.85 or any(n in (*AT_SPEED, "oil_film") for n in names)
+    if kind == "twins":
+        twin = twins.draw(names[0], healthy, rng)
+        specs, effects, accept, deciding = twin.specs, twin.effects, twin.accept, twin.deciding
+        causes: list[Callable[[System], System]] = [e.apply for e in effects]
+        strengths: list[float] = []
+        level = "twins"
+    else:
+        specs = draw_specs(healthy, rng, dynamic=fast)
+        level = level or {"single": str(rng.choice(["easy", "medium"])), "double": "easy"}.get(kind, kind)
+        sized = _sized(kind, names, level, healthy, specs, known_zero, rng)
+        if sized is None:
+            return None
+        effects, causes, strengths = sized
+        accept, deciding = acceptable(effects, specs, pair.gears[0].teeth), []
+    system = healthy
+    for cause in causes:
+        system = cause(system)
+    stage = replace(system, scatter=Scatter.draw(pair, rng))
+    coloured = bool(rng.random() < 0.4)
+    hide_roles, stated = bool(rng.random() < 0.15), bool(rng.random() < 0.85)
+    series, floors = [], []
+    for spec in specs:
+        clean = measure(stage, spec)
+        columns = read(stage, spec, coloured, rng, clean)
+        series.append(columns)
+        floors.append(_floor(stage, system, healthy, spec, clean))
+    written = [replace(s, role=None if hide_roles else s.role, stated=stated) for s in specs]
+    label = {
+        "kind": kind,
+        "level": level,
+        "seed": list(key),
+        "effects": [_described(e, healthy) for e in effects],
+        "hidden": names[0] if kind == "hidden" else None,
+        "strengths": strengths,
+        "verdicts": _verdicts(kind, accept),
+        "accept": accept,
+        "records": floors,
+        "nuisances": {**nuisances, "coloured_noise": coloured, "roles_given": not hide_roles},
+        "index_error_um": [list(map(float, late * 1e6)) for late in stage.scatter.late],
+        "angle_zero": "pitch_point" if known_zero else "unknown",
+        "deciding": [s.file for s in deciding],
+    }
+    zero = "pitch_point" if known_zero else "unknown"
+    return Case("-".join(map(str, key)), kind, model, zero, written, series, stage, label, key, coloured, deciding)
+
+
+def _names(kind: str, effect: str | None, rng: np.random.Generator) -> list[str]:
+    if kind == "none":
+        return []
+    if kind == "hidden":
+        return [effect or str(rng.choice(list(HIDDEN)))]
+    if kind == "twins":
+        return [effect or str(rng.choice(list(twins.TWINS)))]
+    if kind == "double":
+        first, second = (str(x) for x in rng.choice(SINGLE, 2, replace=False))
+        while first in LEAD and second in LEAD:
+            second = str(rng.choice(SINGLE))
+        return [first, second]
+    return [effect or str(rng.choice(SINGLE))]
+
+
+def _sized(
+    kind: str, names: list[str], level: str, healthy: System, specs: list[Spec], known_zero: bool, rng: np.random.Generator
+) -> tuple[list[Effect], list[Callable[[System], System]], list[float]] | None:
+    """Size every cause so that its strength lies in the level's range; None where its plain range does not reach it."""
+    effects: list[Effect] = []
+    causes: list[Callable[[System], System]] = []
+    strengths: list[float] = []
+    if not names:
+        return effects, causes, strengths
+    scale = Scale(healthy, specs, angle_known=known_zero)
+    low, high = LEVELS[level]
+    for name in names:
+        target = float(np.exp(rng.uniform(np.log(low * 1.05), np.log(high / 1.05))))
+        if kind == "hidden":
+            make, least, most = HIDDEN[name](healthy, rng)
+            size, strength = _solve(lambda s, make=make: scale.of(make(s)), target, least, most, (low, high))
+            if size is None:
+                return None
+            causes.append(lambda _, make=make, size=size: make(size))
+        else:
+            shape = int(rng.integers(2**31))
+            params, least, most = draw(name, healthy, specs, rng)
+            size, strength = _solve(
+                lambda s, name=name, params=params, shape=shape: scale.of(Effect(name, params(s), shape).apply(healthy)),
+                target,
+                least,
+                most,
+                (low, high),
+            )
+            if size is None:
+                return None
+            effects.append(Effect(name, params(size), shape))
+            causes.append(effects[-1].apply)
+        strengths.append(strength)
+    return effects, causes, strengths
+
+
+def _solve(
+    strength: Callable[[float], float], target: float, least: float, most: float, band: tuple[float, float]
+) -> tuple[float | None, float]:
+    """Find a size whose strength meets the target, by secants in logarithms; any strength inside the band will do after that."""
+    size = float(np.sqrt(least * most)) if most < 50 * least else 4.0 * least
+    lower, upper = least, most
+    value = strength(size)
+    for _ in range(7):
+        if abs(np.log(max(value, 1e-9) / target)) < 0.08:
+            break
+        if value < target:
+            lower = size
+        else:
+            upper = size
+        guess = size * float(np.clip(target / max(value, 1e-9), 0.05, 20.0))
+        size = guess if lower < guess < upper else float(np.sqrt(lower * upper)) if upper < most or guess < upper else most
+        value = strength(size)
+        if size >= most and value < band[0]:
+            return None, value
+    return (size, value) if band[0] <= value <= band[1] else (None, value)
+
+
+def _described(effect: Effect, healthy: System) -> dict[str, Any]:
+    params = effect.params
+    near = params
+    if effect.name in ("tip_relief", "profile_wear", "profile_slope", "pitting"):
+        depth = effect.apply(healthy).profiles[-1].depth
+        near = equivalent(effect.name, healthy, params, depth)
+    return {"name": effect.name, "parameters": params, "nearest_catalogue": near, "shape_seed": effect.shape}
+
+
+def acceptable(effects: list[Effect], specs: list[Spec], teeth: int) -> list[list[dict[str, Any]]]:
+    """Sets of names that count as right. The first is the truth; others are those these records cannot tell from it."""
+    options: list[list[dict[str, Any]]] = []
+    seen = {s.gear for s in specs if s.quantity == "flank_profile" and s.role != "holdout"}
+    for e in effects:
+        true = {"name": e.name, **{k: e.params[k] for k in ("gear", "tooth") if k in e.params}}
+        mine = [true]
+        if "gear" in e.params and (e.name in ("crowning", "end_relief") or (e.name == "profile_slope" and not seen)):
+            other = GEARS[1 - GEARS.index(e.params["gear"])]
+            mine.append({**true, "gear": other})
+        options.append(mine)
+    sets: list[list[dict[str, Any]]] = [[]]
+    for mine in options:
+        sets = [[*s, m] for s in sets for m in mine]
+    return sets if effects else [[]]
+
+
+def _verdicts(kind: str, accept: list[list[dict[str, Any]]]) -> list[str]:
+    if kind == "none":
+        return ["no_discrepancy"]
+    if kind == "hidden":
+        return ["unexplained"]
+    if kind == "twins":
+        return ["ambiguous"]
+    if kind == "weak":
+        return ["no_discrepancy", "ambiguous", "explained"]
+    return ["explained"] if len(accept) == 1 else ["explained", "ambiguous"]
+
+
+def _floor(stage: System, system: System, healthy: System, spec: Spec, clean: Array) -> dict[str, Any]:
+    """RMS of the sensor, of what scatter leaves, of what waviness leaves, and of the cause itself, in the record's unit."""
+    waved = stage.scatter
+    index = replace(stage, scatter=Scatter(waved.late, Scatter.none(stage.pair).wave))
+    plain = measure(system, spec)
+
+    def rms(values: Array) -> float:
+        centred = values - values.mean() if spec.constant else values
+        return float(np.sqrt(np.mean(centred**2)))
+
+    return {
+        "file": spec.file,
+        "quantity": spec.quantity,
+        "role": spec.role,
+        "noise_rms": spec.noise,
+        "floor_rms": float(np.hypot(rms(clean - plain), spec.noise)),
+        "floor_index_rms": float(np.hypot(rms(clean - measure(index, spec)), spec.noise)),
+        "signature_rms": rms(plain - measure(healthy, spec)),
+    }
