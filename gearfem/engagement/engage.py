@@ -17,7 +17,7 @@ from gearfem.engagement.teeth import read_compliance
 from gearfem.flank import Flanks
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import MM
-from gearfem.placement import Placement
+from gearfem.placement import Placement, runout_gap
 
 # A ten-thousandth of a pitch: the rounding of a difference over it stays below 1e-7 of the ratio.
 DIFFERENCE = 1e-4
@@ -95,7 +95,7 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     Notes
     -----
     Ratios are dphi1/dphi2: unloaded by the arms of the pair that touches first (a rigid contact turns the
-    wheel by l1/l2), loaded by the central difference of the transmission error over 2e-4 pitches, which
+    wheel by l1/l2, less what runout adds), loaded by the central difference of the transmission error over 2e-4 pitches, which
     replaces a kink by its mean over that width. Physics: Wojnarowski & Onishchenko (2003), sections 2 and 3.
     """
     if not torque > 0.0:
@@ -107,23 +107,25 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     pairs = mesh.pairs(pinion_angle)
     shared = {shift: _share(mesh, pinion_angle + shift * small, pairs, torque) for shift in (-1, 0, 1)}
     contacts, sharing = shared[0]
-    _refuse_overload(mesh, torque, float(sharing.transmission_error.max()))
+    deflection = sharing.transmission_error - contacts.gap.min(axis=1)
+    _refuse_overload(mesh, torque, float(deflection.max()))
     change = (shared[1][1].transmission_error - shared[-1][1].transmission_error) / (2.0 * small)
     force = sharing.force * pair.face_width
     rows = np.arange(len(pinion_angle))
     first = np.argmin(contacts.gap, axis=1)
     nominal = torque / pair.pinion.base_radius
+    _, runout = runout_gap(mesh.placement, pinion_angle)
     return Engagement(
         contacts=contacts,
         pinion_torque=torque,
         force=force,
         transmission_error=sharing.transmission_error,
         mesh_stiffness=1.0 / (sharing.slope * pair.pinion.base_radius),
-        secant_stiffness=nominal / sharing.transmission_error,
+        secant_stiffness=nominal / deflection,
         single_stiffness=_single_stiffness(mesh, contacts, torque),
         contact_pressure=_contact_pressure(mesh, contacts, sharing.force),
         gear_ratio=1.0 / (1.0 / pair.ratio - change / pair.wheel.base_radius),
-        gear_ratio_unloaded=contacts.arm2[rows, first] / contacts.arm1[rows, first],
+        gear_ratio_unloaded=1.0 / (contacts.arm1[rows, first] / contacts.arm2[rows, first] - runout / pair.wheel.base_radius),
         gear_ratio_force=(force * contacts.arm2).sum(axis=1) / (force * contacts.arm1).sum(axis=1),
     )
 
@@ -144,13 +146,12 @@ def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> t
 
 
 def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
-    """Return the secant stiffness of each pair alone under the whole load on the path of contact, 0 off it."""
+    """Return the secant stiffness of each pair alone under the whole load where its flanks touch, 0 elsewhere."""
     system = mesh.system(contacts)
     force = torque / system.arm
     own = np.einsum("ajj->aj", system.linear) * force
     approach = own + mesh.law.approach(force, system.line)
-    on_path = contacts.reach & (contacts.gap == 0.0)
-    return np.where(on_path, force * mesh.placement.pair.face_width / approach, 0.0)
+    return np.where(contacts.on_flanks, force * mesh.placement.pair.face_width / approach, 0.0)
 
 
 def _contact_pressure(mesh: Mesh, contacts: Contacts, line_load: Array) -> Array:
@@ -174,25 +175,32 @@ def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) ->
     torque : float
         Operating torque [N m]; the table reaches four times its largest transmission error.
     steps, levels : int
-        Angles over one pitch and levels of the transmission error.
+        Angles over one pitch and levels of the transmission error; worn flanks get more levels.
 
     Returns
     -------
     MeshForce
+
+    Raises
+    ------
+    InputError
+        If teeth differ, in shape or place, or a gear runs out: the forces then do not repeat every pitch.
 
     Notes
     -----
     The angles lie at half steps, so that angle 0, where the sliding of pair 0 reverses, lies between two of
     them. The levels grow with the square, since the force rises with a horizontal tangent.
     """
+    _refuse_uneven(mesh)
     pair = mesh.placement.pair
     pitch = pair.pinion.pitch_angle
     angle = (np.arange(steps) + 0.5) / steps * pitch
     contacts = mesh.contacts(angle)
     system = mesh.system(contacts)
     operating = share_torque(system, mesh.law, torque)
-    top = LARGEST_OVERLOAD * operating.transmission_error.max()
-    deflection = top * np.linspace(0.0, 1.0, levels) ** 2
+    unloaded = system.gap.min(axis=1)
+    deflection = _levels(unloaded, operating.transmission_error, levels)
+    levels = deflection.size
     force = np.zeros((steps, levels, len(contacts.pairs)))
     last = None
     for level in range(1, levels):
@@ -213,10 +221,36 @@ def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) ->
         wheel_moment=summed(contacts.arm2),
         pinion_friction=summed(sign * contacts.friction_arm1),
         wheel_friction=summed(sign * contacts.friction_arm2),
-        unloaded_error=contacts.gap.min(axis=1),
+        unloaded_error=unloaded,
         sliding_reversals=np.array([0.0]),
         base_radius1=pair.pinion.base_radius,
         base_radius2=pair.wheel.base_radius,
         normal_backlash=mesh.placement.normal_backlash,
         mean_stiffness=float(np.mean(1.0 / (operating.slope * pair.pinion.base_radius))),
     )
+
+
+def _levels(unloaded: Array, operating: Array, levels: int) -> Array:
+    """Return transmission errors [m] from the first touch at any angle to four times the largest deflection at all.
+
+    Where the first touch wanders there are as many more as keep the steps no larger than the largest of perfect gears.
+    """
+    top = LARGEST_OVERLOAD * float((operating - unloaded).max())
+    spread = float(np.ptp(unloaded))
+    count = math.ceil(levels * max(1.0, math.sqrt(spread * (spread + top)) / top))
+    grown: Array = unloaded.min() + (spread + top) * np.linspace(0.0, 1.0, count) ** 2
+    return grown
+
+
+def _refuse_uneven(mesh: Mesh) -> None:
+    """Refuse teeth that differ from each other: their forces do not repeat every pitch."""
+    flanks, placement = mesh.flanks, mesh.placement
+    late = any(np.ptp(values) > 0.0 for values in (placement.pinion_late, placement.wheel_late))
+    kinds = {
+        "odd teeth": bool(flanks.pinion_odd or flanks.wheel_odd or mesh.compliance.pinion_odd or mesh.compliance.wheel_odd),
+        "index errors": late,
+        "runout": any(placement.pinion_runout) or any(placement.wheel_runout),
+    }
+    found = " and ".join(kind for kind, there in kinds.items() if there)
+    if found:
+        raise InputError("effects", found, "teeth all alike, for forces over one pitch: others repeat only after whole turns")
