@@ -14,6 +14,7 @@ from gearfem.engagement.contacts import REACH, find_contacts
 from gearfem.engagement.record import Contacts, Engagement, MeshForce
 from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
 from gearfem.engagement.teeth import read_compliance
+from gearfem.engagement.width import FaceSlices, LeadTable, lead_table
 from gearfem.flank import Flanks
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import MM
@@ -34,12 +35,28 @@ class Mesh(Record):
         Of the stages of these names.
     law : LineLaw
         Contact law of the two materials.
+    slices : FaceSlices
+        How the face width is cut where the gap of the flanks opens along it.
     """
 
     flanks: Flanks
     placement: Placement
     compliance: Compliance
     law: LineLaw
+    slices: FaceSlices = dataclasses.field(default_factory=FaceSlices)
+
+    @property
+    def lead(self) -> LeadTable | None:
+        """What the lead of the flanks adds to the approach; None where they are parallel, which costs no solid elements."""
+        if self.flanks.lead.uniform:
+            return None
+        return lead_table(self.flanks, self.placement, self.compliance, self.law, self.slices)
+
+    @property
+    def first_touch(self) -> float:
+        """Gap along the face width where a pair touches first [m]."""
+        lead = self.lead
+        return float(self.flanks.lead.gap[0]) if lead is None else lead.first_touch
 
     def pairs(self, pinion_angle: Array) -> tuple[int, ...]:
         """Return the pairs that may touch at any of these angles [rad], corner contact included."""
@@ -55,13 +72,21 @@ class Mesh(Record):
         """Return the pairs at these contacts, ready to be loaded."""
         pair = self.placement.pair
         read = read_compliance(self.compliance, contacts)
+        lever = contacts.arm2 / pair.wheel.base_radius
+        lead = self.lead
         return PairSystem(
             linear=read.linear,
-            lever=contacts.arm2 / pair.wheel.base_radius,
+            lever=lever,
             arm=contacts.arm1 * pair.face_width,
-            gap=contacts.gap,
+            gap=contacts.gap + self.first_touch / lever,
             line=Line(contacts.flank_radius, read.depth1, read.depth2, contacts.edge, contacts.edge_radius),
+            lead=None if lead is None else lead.at(self.position(contacts)),
         )
+
+    def position(self, contacts: Contacts) -> Array:
+        """Return pinion angles counted for each pair from its own pitch point [rad], shape (n, p)."""
+        angle: Array = contacts.pinion_angle[:, None] - np.asarray(contacts.pairs) * self.placement.pair.pinion.pitch_angle
+        return angle
 
 
 def standard_angles(placement: Placement, steps: int = 400) -> Array:
@@ -150,7 +175,7 @@ def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
     system = mesh.system(contacts)
     force = torque / system.arm
     own = np.einsum("ajj->aj", system.linear) * force
-    approach = own + mesh.law.approach(force, system.line)
+    approach = own + system.local(mesh.law).approach(force)
     return np.where(contacts.on_flanks, force * mesh.placement.pair.face_width / approach, 0.0)
 
 
@@ -158,10 +183,11 @@ def _contact_pressure(mesh: Mesh, contacts: Contacts, line_load: Array) -> Array
     """Return the largest pressure on each pair [Pa] under line loads [N/m], shape (n, p)."""
     pair = mesh.placement.pair
     law = EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material)
-    line = mesh.system(contacts).line
+    line, lead = mesh.system(contacts).line, mesh.lead
     touching = line_load > 0.0
+    largest = line_load if lead is None else line_load * lead.peak_at(mesh.position(contacts), line_load)
     pressure = np.zeros_like(line_load)
-    pressure[touching] = largest_pressure(law, line_load[touching], Line(*(values[touching] for values in line)))
+    pressure[touching] = largest_pressure(law, largest[touching], Line(*(values[touching] for values in line)))
     return pressure
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearfem.contact import Line
+from gearfem.engagement.lead_approach import LeadApproach
 from gearfem.foundation import Array, Record, SolveError
 
 ITERATIONS = 80
@@ -40,6 +42,8 @@ class PairSystem(Record):
         Transmission error at which each pair touches [m].
     line : Line of ndarrays, shape (n, p)
         Geometry of the line contacts.
+    lead : LeadApproach of shape (n, p), optional
+        What a gap that opens along the face width adds to the approach.
     """
 
     linear: Array
@@ -47,11 +51,39 @@ class PairSystem(Record):
     arm: Array
     gap: Array
     line: Line
+    lead: LeadApproach | None = None
 
     def approach(self, law: LineLaw, force: Array) -> Array:
         """Return the approach of each pair [m] under line loads [N/m], shape (n, p)."""
         linear: Array = np.einsum("ajk,ak->aj", self.linear, force)
-        return linear + law.approach(force, self.line)
+        return linear + self.local(law).approach(force)
+
+    def local(self, law: LineLaw) -> LocalApproach:
+        """Return what each pair yields besides its teeth and bodies."""
+        return LocalApproach(law, self.line, self.lead)
+
+
+class LocalApproach(NamedTuple):
+    """Contact and lead of many pairs."""
+
+    law: LineLaw
+    line: Line
+    lead: LeadApproach | None
+
+    def at(self, chosen: NDArray[np.bool_]) -> LocalApproach:
+        """Return those of some of the pairs."""
+        lead = None if self.lead is None else self.lead.at(chosen)
+        return LocalApproach(self.law, Line(*(values[chosen] for values in self.line)), lead)
+
+    def approach(self, force: Array) -> Array:
+        """Return the approach [m] under line loads [N/m]."""
+        contact = self.law.approach(force, self.line)
+        return contact if self.lead is None else contact + self.lead.approach(force)
+
+    def compliance(self, force: Array) -> Array:
+        """Return its slope [m per N/m]."""
+        contact = self.law.compliance(force, self.line)
+        return contact if self.lead is None else contact + self.lead.compliance(force)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -114,13 +146,14 @@ def share_torque(system: PairSystem, law: LineLaw, torque: float) -> Sharing:
         carried, slope = _respond(system, law, force, error)
         residual = carried - force
         missing = torque - (system.arm * force).sum(axis=1)
-        if max(np.abs(residual).max() / force.max(), np.abs(missing).max() / torque) < TOLERANCE:
+        off = np.maximum(np.abs(residual).max(axis=1) / force.max(axis=1), np.abs(missing) / torque)
+        if off.max() < TOLERANCE:
             return Sharing(force=force, transmission_error=touch + error, slope=_error_slope(system, slope))
         matrix = _bordered(system, slope)
         step = np.linalg.solve(matrix, np.concatenate([residual, missing[:, None]], axis=1)[..., None])[..., 0]
         force = _not_pulling(force + step[:, :-1])
         error = error + step[:, -1]
-    worst = int(np.argmax(np.abs(residual).max(axis=1)))
+    worst = int(np.argmax(off))
     raise SolveError(f"load sharing did not converge at {torque:g} N m (angle number {worst} of {len(force)})")
 
 
@@ -188,33 +221,32 @@ def _respond(system: PairSystem, law: LineLaw, force: Array, error: Array) -> tu
     available = (error[:, None] - system.gap) * system.lever - np.einsum("ajk,ak->aj", _coupling(system), force)
     touching = available > 0.0
     own = np.einsum("ajj->aj", system.linear)
-    line = Line(*(values[touching] for values in system.line))
     carried, slope = np.zeros_like(available), np.zeros_like(available)
-    carried[touching], slope[touching] = _invert(law, available[touching], own[touching], line)
+    carried[touching], slope[touching] = _invert(system.local(law).at(touching), available[touching], own[touching])
     return carried, slope
 
 
-def _invert(law: LineLaw, available: Array, own: Array, line: Line) -> tuple[Array, Array]:
+def _invert(local: LocalApproach, available: Array, own: Array) -> tuple[Array, Array]:
     """Return f with own f + h(f) = available, and df/d(available); h is concave, so the chord bounds f from above."""
     bound = available / own
-    force = available / (own + law.approach(bound, line) / bound)
+    force = available / (own + local.approach(bound) / bound)
     for _ in range(ITERATIONS):
-        slope = 1.0 / (own + law.compliance(force, line))
-        step = (available - own * force - law.approach(force, line)) * slope
+        slope = 1.0 / (own + local.compliance(force))
+        step = (available - own * force - local.approach(force)) * slope
         force = np.maximum(force + step, 0.1 * force)
         if np.all(np.abs(step) <= 4e-15 * force):
             break
     else:
         if not np.all(np.abs(step) <= TOLERANCE * force):
             raise SolveError("the contact law could not be inverted")
-    return force, 1.0 / (own + law.compliance(force, line))
+    return force, 1.0 / (own + local.compliance(force))
 
 
 def _invert_alone(system: PairSystem, law: LineLaw, torque: float) -> Array:
     """Return the transmission error at which each pair carries the whole torque alone, shape (n, p)."""
     force = torque / system.arm
     own = np.einsum("ajj->aj", system.linear)
-    approach = own * force + law.approach(force, system.line)
+    approach = own * force + system.local(law).approach(force)
     alone: Array = system.gap + approach / system.lever
     return alone
 
