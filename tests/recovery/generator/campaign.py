@@ -10,16 +10,18 @@ import numpy as np
 
 from . import twins
 from .design import draw_model, draw_pair, draw_specs, draw_truth, nominal_system
-from .effects import GEARS, Effect
+from .effects import Effect
 from .gear import Array
 from .hidden import HIDDEN
 from .observe import Spec, axis, measure
+from .rivals import RIVALS, brief
 from .sizes import AT_SPEED, SINGLE, draw, equivalent
 from .strength import Scale
 from .system import Scatter, System
 
-LEVELS = {"easy": (5.5, 14.0), "medium": (2.3, 4.7), "weak": (0.15, 0.7), "hidden": (6.0, 18.0)}
+LEVELS = {"easy": (6.0, 40.0), "medium": (2.3, 4.8), "weak": (0.15, 0.7), "hidden": (6.0, 18.0)}
 KINDS = ("single", "double", "none", "hidden", "twins", "weak")
+APART = 2.3
 LEAD = ("lead_misalignment", "crowning", "end_relief")
 
 
@@ -90,11 +92,12 @@ def _attempt(key: tuple[int, ...], kind: str, effect: str | None, level: str | N
     else:
         specs = draw_specs(healthy, rng, dynamic=fast)
         level = level or {"single": str(rng.choice(["easy", "medium"])), "double": "easy"}.get(kind, kind)
-        sized = _sized(kind, names, level, healthy, specs, known_zero, rng)
+        scale = Scale(healthy, specs, angle_known=known_zero) if names else None
+        sized = ([], [], []) if scale is None else _sized(kind, names, level, healthy, specs, scale, rng)
         if sized is None:
             return None
         effects, causes, strengths = sized
-        accept, deciding = acceptable(effects, specs, pair.gears[0].teeth), []
+        accept, deciding = acceptable(effects, healthy, specs, scale, rng), []
     system = healthy
     for cause in causes:
         system = cause(system)
@@ -143,16 +146,14 @@ def _names(kind: str, effect: str | None, rng: np.random.Generator) -> list[str]
 
 
 def _sized(
-    kind: str, names: list[str], level: str, healthy: System, specs: list[Spec], known_zero: bool, rng: np.random.Generator
+    kind: str, names: list[str], level: str, healthy: System, specs: list[Spec], scale: Scale, rng: np.random.Generator
 ) -> tuple[list[Effect], list[Callable[[System], System]], list[float]] | None:
     """Size every cause so that its strength lies in the level's range; None where its plain range does not reach it."""
     effects: list[Effect] = []
     causes: list[Callable[[System], System]] = []
     strengths: list[float] = []
-    if not names:
-        return effects, causes, strengths
-    scale = Scale(healthy, specs, angle_known=known_zero)
     low, high = LEVELS[level]
+    fine = 0.03 if level == "weak" else 1.0
     for name in names:
         target = float(np.exp(rng.uniform(np.log(low * 1.05), np.log(high / 1.05))))
         if kind == "hidden":
@@ -164,6 +165,7 @@ def _sized(
         else:
             shape = int(rng.integers(2**31))
             params, least, most = draw(name, healthy, specs, rng)
+            least *= fine
             size, strength = _solve(
                 lambda s, name=name, params=params, shape=shape: scale.of(Effect(name, params(s), shape).apply(healthy)),
                 target,
@@ -210,21 +212,24 @@ def _described(effect: Effect, healthy: System) -> dict[str, Any]:
     return {"name": effect.name, "parameters": params, "nearest_catalogue": near, "shape_seed": effect.shape}
 
 
-def acceptable(effects: list[Effect], specs: list[Spec], teeth: int) -> list[list[dict[str, Any]]]:
-    """Sets of names that count as right. The first is the truth; others are those these records cannot tell from it."""
-    options: list[list[dict[str, Any]]] = []
-    seen = {s.gear for s in specs if s.quantity == "flank_profile" and s.role != "holdout"}
-    for e in effects:
-        true = {"name": e.name, **{k: e.params[k] for k in ("gear", "tooth") if k in e.params}}
-        mine = [true]
-        if "gear" in e.params and (e.name in ("crowning", "end_relief") or (e.name == "profile_slope" and not seen)):
-            other = GEARS[1 - GEARS.index(e.params["gear"])]
-            mine.append({**true, "gear": other})
-        options.append(mine)
+def acceptable(
+    effects: list[Effect], healthy: System, specs: list[Spec], scale: Scale | None, rng: np.random.Generator
+) -> list[list[dict[str, Any]]]:
+    """Sets of names that count as right: the truth first, then those that leave less than `APART` of it unexplained."""
     sets: list[list[dict[str, Any]]] = [[]]
-    for mine in options:
-        sets = [[*s, m] for s in sets for m in mine]
-    return sets if effects else [[]]
+    for effect in effects:
+        options = [brief(effect)]
+        own = np.zeros(0) if scale is None else scale.whiten(effect.apply(healthy))
+        for name, forced in RIVALS.get(effect.name, lambda e: [])(effect):
+            params, least, most = draw(name, healthy, specs, np.random.default_rng(3))
+            rivals = []
+            for size in np.geomspace(max(least, most / 40), most, 3):
+                wanted = {**params(float(size)), **forced}
+                rivals.append(Effect(name, wanted, 1).apply(healthy))
+            if scale is not None and scale.apart(own, rivals) < APART:
+                options.append(brief(Effect(name, {**params(least), **forced})))
+        sets = [[*s, o] for s in sets for o in options]
+    return sets
 
 
 def _verdicts(kind: str, accept: list[list[dict[str, Any]]]) -> list[str]:

@@ -28,6 +28,16 @@ class Reach:
     arm2: Array
     rolls: tuple[Array, Array]
 
+    def repeated(self, times: int) -> Reach:
+        """The same angles, several times over."""
+
+        def many(values: Array) -> Array:
+            return np.concatenate([values] * times)
+
+        rolls = (many(self.rolls[0]), many(self.rolls[1]))
+        rest = [many(getattr(self, name)) for name in ("pair", "gap", "matrix", "radius", "sliding", "arm1", "arm2")]
+        return Reach(*rest, rolls)
+
 
 @dataclass(frozen=True)
 class Static:
@@ -112,7 +122,7 @@ def _compliance(system: System, angle: Array, teeth: tuple[Array, Array], rolls:
     fade = system.coupling ** np.abs(diagonal[:, None] - diagonal[None, :])
     for g, gear in enumerate(system.pair.gears):
         table = tooth_table(gear)
-        beam = np.interp(rolls[g], table.roll, table.beam)
+        beam = np.interp(rolls[g], table.roll, table.beam) * system.beam_scale
         for crack in system.cracks:
             if crack.gear == g:
                 beam = beam + (teeth[g] == crack.tooth) * np.interp(rolls[g], table.roll, crack_table(gear, crack.depth))
@@ -175,14 +185,12 @@ def share(system: System, at: Reach, load: Array, friction: bool, speed: float =
         press = f - typical * residual
         active = (press > 0.0) | (press >= press.max(1, keepdims=True))  # something always carries
         slave = active[:, :, None] * (c + rate[:, :, None] * eye) + (~active)[:, :, None] * eye
-        system_matrix = np.zeros((len(todo), pairs + 1, pairs + 1))
-        system_matrix[:, :pairs, :pairs] = slave
-        system_matrix[:, :pairs, pairs] = -active.astype(float)
-        system_matrix[:, pairs, :pairs] = arm[todo]
-        right = np.zeros((len(todo), pairs + 1))
-        right[:, :pairs] = np.where(active, -residual, -f)
-        right[:, pairs] = load[todo] - (arm[todo] * f).sum(1)
-        step = np.linalg.solve(system_matrix, right[:, :, None])[:, :, 0]
+        # forces for the residuals at fixed lag, and per unit of lag; the balance then gives the lag
+        right = np.stack([np.where(active, -residual, -f), active.astype(float)], axis=2)
+        both = np.linalg.solve(slave, right)
+        lever = arm[todo]
+        more = (load[todo] - (lever * (f + both[:, :, 0])).sum(1)) / (lever * both[:, :, 1]).sum(1)
+        step = np.concatenate([both[:, :, 0] + more[:, None] * both[:, :, 1], more[:, None]], axis=1)
         damp = 1.0 if turn < 20 else 0.6
         out_force[todo] = np.maximum(f + damp * step[:, :pairs], 0.0) if turn >= 20 else f + step[:, :pairs]
         out_lag[todo] = e + damp * step[:, pairs]
@@ -191,10 +199,9 @@ def share(system: System, at: Reach, load: Array, friction: bool, speed: float =
         if done.any() or turn == 59:
             last = todo if turn == 59 else todo[done]
             pick = np.ones(len(todo), bool) if turn == 59 else done
-            ones = active[pick].astype(float)
-            response = np.linalg.solve(slave[pick], ones[:, :, None])[:, :, 0]
-            slope[last] = (response * ones).sum(1)
-            part[last] = response * ones / np.maximum(slope[last], 1e-30)[:, None]
+            response = both[pick, :, 1] * active[pick]
+            slope[last] = response.sum(1)
+            part[last] = response / np.maximum(slope[last], 1e-30)[:, None]
         todo = todo[~done]
         if len(todo) == 0:
             break

@@ -52,17 +52,14 @@ def tabulate(system: System, angle: Array, torque: float, speed: float = 0.0) ->
     short = angle if slow or len(angle) <= per else angle[:per]
     at = reach(system, short, torque)
     mean_load = torque * system.torque_gain / system.pair.pinion.base_radius
-    columns = [at.gap.min(1)]
-    known = None
-    extra1 = extra2 = np.zeros(len(short))
-    mean = 1.0
-    for level in LEVELS[1:]:
-        known = share(system, at, np.full(len(short), level * mean_load), friction=False, speed=speed, guess=known)
-        columns.append(known.lag)
-        if level == 1.0:
-            mean = float(known.slope.mean())
-            portion = known.force / known.force.sum(1, keepdims=True)
-            extra1, extra2 = (portion * at.arm1).sum(1), (portion * at.arm2).sum(1)
+    count, levels = len(short), LEVELS[1:]
+    stacked = at.repeated(len(levels))
+    solved = share(system, stacked, np.repeat(levels * mean_load, count), friction=False, speed=speed)
+    columns = [at.gap.min(1), *solved.lag.reshape(len(levels), count)]
+    middle = slice(count * list(levels).index(1.0), count * (list(levels).index(1.0) + 1))
+    mean = float(solved.slope[middle].mean())
+    portion = solved.force[middle] / solved.force[middle].sum(1, keepdims=True)
+    extra1, extra2 = (portion * at.arm1).sum(1), (portion * at.arm2).sum(1)
     lag = np.stack(columns, axis=1)
     take = np.arange(len(angle)) % len(short)
     return Table(angle, lag[take], LEVELS * mean_load, extra1[take], extra2[take], mean)

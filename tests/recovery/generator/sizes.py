@@ -42,10 +42,12 @@ AT_SPEED = ("support_compliance", "damping", "sensor_lag", "sensor_resonance", "
 
 def _met(system: System, specs: list[Spec], gear: int, rng: np.random.Generator) -> int:
     """A tooth that every record meets well inside its range."""
-    turns = min((s.turns for s in specs if s.quantity.endswith("transmission_error") or s.quantity.endswith("acceleration")), default=1.5)
-    count = system.pair.gears[gear].teeth
-    last = min(count - 1, int(turns * system.pair.pinion.teeth) - 3)
-    return int(rng.integers(2, max(last, 4)))
+    turning = [s for s in specs if s.quantity.endswith("transmission_error")]
+    pitch, count = system.pair.pitch, system.pair.gears[gear].teeth
+    first = math.ceil(max((s.start for s in turning), default=0.0) / pitch) + 2
+    turns = min([2.0, *(s.turns for s in turning)])
+    last = min(count, int(turns * system.pair.pinion.teeth) - 3)
+    return int(rng.integers(first, last))
 
 
 def draw(name: str, system: System, specs: list[Spec], rng: np.random.Generator) -> Sized:

@@ -25,7 +25,7 @@ INDEX = 0.8
 def coarse(spec: Spec) -> Spec:
     """The record with fewer samples and turns."""
     keep = spec.quantity in STATIC_OF_ONE_GEAR or spec.quantity == "dynamic_factor"
-    return spec if keep else replace(spec, samples=COARSE, turns=min(spec.turns, 2.0))
+    return spec if keep else replace(spec, samples=COARSE, turns=min(spec.turns, 1.3 if spec.speed else 2.0))
 
 
 class Scale:
@@ -48,8 +48,9 @@ class Scale:
                 extra = 1.0
             elif spec.quantity == "dynamic_factor":
                 extra = 0.3 * float(np.std(base))
-            else:
-                extra = 0.5 * float(np.std(measure(noisy, spec) - base))
+            elif spec.speed:
+                # near a resonance neither scatter nor a shift of stiffness acts in proportion
+                extra = math.hypot(0.5 * float(np.std(measure(noisy, spec) - base)), 0.15 * float(np.std(base)))
             sigma.append(np.full(len(base), 3.0 * math.hypot(spec.noise, extra) * math.sqrt(self._correlated(spec))))
         self.sigma = np.concatenate(sigma)
         self.unit = np.stack(self._columns(system, model_form, angle_known), 1) / self.sigma[:, None]
@@ -78,9 +79,10 @@ class Scale:
             other = ContactLaw(None) if system.contact.power else ContactLaw(0.9)
             nudges += [
                 (replace(system, contact=other), 1.0),
-                (replace(system, contact_scale=1.12), 1.0),
-                (replace(system, body_scale=(1.12, 1.0)), 1.0),
-                (replace(system, body_scale=(1.0, 1.12)), 1.0),
+                (replace(system, contact_scale=1.15), 1.0),
+                (replace(system, body_scale=(1.15, 1.0)), 1.0),
+                (replace(system, body_scale=(1.0, 1.15)), 1.0),
+                (replace(system, beam_scale=1.1), 1.0),
                 (replace(system, coupling=system.coupling - 0.1), 1.0),
                 (replace(system, friction=system.friction + 0.015), 1.0),
             ]
@@ -112,6 +114,18 @@ class Scale:
 
     def of(self, changed: System) -> float:
         """Strength of what a changed system would show."""
-        s = self._change(changed) / self.sigma
+        return self._norm(self.whiten(changed))
+
+    def apart(self, own: Array, rivals: list[System]) -> float:
+        """Strength that is left of a whitened signature when the rivals may take any amplitude."""
+        block = np.stack([self.whiten(r) for r in rivals], 1)
+        weighed = block - self.unit @ (self.inner @ (self.unit.T @ block))
+        amplitude = np.linalg.lstsq(block.T @ weighed, weighed.T @ own, rcond=1e-9)[0]
+        return self._norm(own - block @ amplitude)
+
+    def whiten(self, changed: System) -> Array:
+        return np.asarray(self._change(changed) / self.sigma)
+
+    def _norm(self, s: Array) -> float:
         inside = self.unit.T @ s
         return math.sqrt(max(float(s @ s - inside @ self.inner @ inside), 0.0))

@@ -81,6 +81,7 @@ class System:
     youngs: float = 206e9
     compliance_scale: float = 1.0
     body_scale: tuple[float, float] = (1.0, 1.0)
+    beam_scale: float = 1.0
     contact_scale: float = 1.0
     contact: ContactLaw = field(default_factory=ContactLaw)
     coupling: float = 0.35
