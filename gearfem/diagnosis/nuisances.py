@@ -1,0 +1,94 @@
+"""Nuisances: what is wrong in every model and every rig without being an effect, with its prior."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from gearfem.diagnosis.bench import Bench, Settings
+from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.foundation import Array, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Nuisance(Record):
+    """One number of the settings, with a Gaussian prior about the model's value.
+
+    Parameters
+    ----------
+    name : str
+        Field of `Settings`.
+    words : str
+        For reports.
+    prior : float
+        Standard deviation [rad for the angle, else dimensionless].
+    step : float
+        Step of the finite difference, in prior deviations.
+    reach : float
+        Most prior deviations that a fit may go; farther is no nuisance any more.
+    """
+
+    name: str
+    words: str
+    prior: float
+    step: float = 0.1
+    reach: float = 5.0
+
+
+# Torque and stiffness act as their ratio on everything slow; Young's modulus (1 %) is merged with the stiffness scale (5 %).
+SCALES = (
+    Nuisance(name="stiffness_scale", words="stiffness of teeth and bodies, Young's modulus included", prior=math.hypot(0.05, 0.01)),
+    Nuisance(name="torque_scale", words="torque", prior=0.01, step=0.5),
+    Nuisance(name="gain", words="sensor gain", prior=0.02, step=0.5),
+)
+MOVING = (
+    Nuisance(name="inertia_scale", words="inertias", prior=0.02, step=0.5),
+    Nuisance(name="damping_scale", words="damping ratio", prior=0.30, reach=3.0),
+)
+# The unknown zero lies within half a pitch either way; its deviation is that of an equal distribution.
+UNIFORM = 1.0 / math.sqrt(12.0)
+
+
+def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[Nuisance, ...]:
+    """Return the nuisances that records of a campaign can feel."""
+    quantities = {record.quantity.name for record in records}
+    loaded = [record for record in records if not record.quantity.of_gear]
+    found: list[Nuisance] = []
+    if any(record.quantity.axis == "angle" for record in loaded) and not campaign.angle_known:
+        pitch = campaign.setup.pair.pinion.pitch_angle
+        found.append(Nuisance(name="angle_offset", words="zero of the pinion angle", prior=UNIFORM * pitch, step=5e-3, reach=2.0))
+    if loaded:
+        found += SCALES
+    if any(record.quantity.moving for record in loaded):
+        found += MOVING
+    assert quantities
+    return tuple(found)
+
+
+def neutral_value(nuisance: Nuisance) -> float:
+    """Return the value of a nuisance in a model that is exactly right."""
+    return 0.0 if nuisance.name == "angle_offset" else 1.0
+
+
+def with_values(settings: Settings, nuisances: tuple[Nuisance, ...], values: Array) -> Settings:
+    """Return settings with nuisances at these values, shape (number of them,)."""
+    changes: dict[str, Any] = {nuisance.name: float(value) for nuisance, value in zip(nuisances, values, strict=True)}
+    return dataclasses.replace(settings, **changes)
+
+
+def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tuple[Nuisance, ...]) -> Array:
+    """Return the derivatives of a record over the values of nuisances by central differences, shape (n, number of them)."""
+    out = np.zeros((len(record.axis), len(nuisances)))
+    for place, nuisance in enumerate(nuisances):
+        if record.quantity.of_gear or (nuisance in MOVING and not record.quantity.moving):
+            continue
+        if nuisance.name == "gain" and record.quantity.axis == "angle":
+            out[:, place] = bench.predict(record, settings) / settings.gain
+            continue
+        step, here = nuisance.step * nuisance.prior, getattr(settings, nuisance.name)
+        ahead, behind = (bench.predict(record, with_values(settings, (nuisance,), np.array([here + sign * step]))) for sign in (1.0, -1.0))
+        out[:, place] = (ahead - behind) / (2.0 * step)
+    return out

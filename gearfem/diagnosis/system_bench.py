@@ -1,0 +1,98 @@
+"""The bench of a whole system: every record predicted by the same stages as everywhere else."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from gearfem.definition.setup import GearPair
+from gearfem.diagnosis.bench import Oscillator, Settings, Weights
+from gearfem.diagnosis.campaign import Measurement
+from gearfem.engagement.engage import standard_angles
+from gearfem.engagement.turns import Turns, static
+from gearfem.foundation import Array, Record
+from gearfem.sensing import System
+from gearfem.sensing.requests import observe, requests
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class SystemBench(Record):
+    """A system, with or without effects, on the bench of the diagnosis.
+
+    Parameters
+    ----------
+    system : System
+        From `gearfem.pipeline.assemble`.
+
+    Notes
+    -----
+    A pair stiffer by s under the torque T moves as one of the model's stiffness under T/s with inertias over s, since every compliance,
+    the contact's included, depends on force over Young's modulus alone: a stiffness scale costs no new tables. Kw and
+    accelerations are the same in both, mesh stiffness is s times the other's.
+    """
+
+    system: System
+
+    @property
+    def pair(self) -> GearPair:
+        """The gears."""
+        return self.system.setup.pair
+
+    def predict(self, record: Measurement, settings: Settings) -> Array:
+        """Return what the record would read [SI], shape (n,)."""
+        name, torque = record.quantity.name, record.pinion_torque
+        angles = record.quantity.axis == "angle"
+        request = requests()[name](
+            axis=record.axis + settings.angle_offset if angles else record.axis,
+            pinion_torque=torque * settings.torque_scale / settings.stiffness_scale,
+            pinion_speed=record.pinion_speed,
+            gear=record.gear or "pinion",
+            tooth=record.tooth or 0,
+            file=record.file,
+        )
+        value = observe(self._system(settings), request)
+        if name == "mesh_stiffness":
+            return settings.gain * settings.stiffness_scale * value
+        if name == "dynamic_factor":
+            return 1.0 + settings.gain * (value - 1.0)
+        return settings.gain * value if angles else value
+
+    def weights(self, angle: Array, torque: float, settings: Settings) -> Weights:
+        """Return the weights of the teeth in the slow transmission error at true pinion angles [rad] and a stated torque [N m]."""
+        turns = static(Turns(mesh=self._system(settings).mesh), angle, self._torque(torque, settings))
+        return Weights(pairs=turns.pairs, pinion=turns.pinion_weight, wheel=turns.wheel_weight)
+
+    def oscillator(self, torque: float, settings: Settings) -> Oscillator:
+        """Return the oscillator of the mesh at a stated torque [N m]."""
+        system, drive = self.system, self.system.drive
+        angle = standard_angles(system.placement)[:-1]
+        stiffness = static(Turns(mesh=system.mesh), angle, self._torque(torque, settings)).mesh_stiffness.mean()
+        masses = (drive.pinion_inertia / self.pair.pinion.base_radius**2, drive.wheel_inertia / self.pair.wheel.base_radius**2)
+        reduced = masses[0] * masses[1] / (masses[0] + masses[1]) * settings.inertia_scale
+        return Oscillator(
+            frequency=math.sqrt(settings.stiffness_scale * float(stiffness) / reduced),
+            ratio=drive.damping_ratio * settings.damping_scale,
+            acceleration=masses[1] / (masses[0] + masses[1]) / self.pair.pinion.base_radius,
+        )
+
+    def _torque(self, stated: float, settings: Settings) -> float:
+        return self.system.torque(stated) * settings.torque_scale / settings.stiffness_scale
+
+    def _system(self, settings: Settings) -> System:
+        """Return the system with index errors, inertias and damping of these settings."""
+        placement, drive = self.system.placement, self.system.drive
+        inertia = settings.inertia_scale / settings.stiffness_scale
+        return dataclasses.replace(
+            self.system,
+            placement=dataclasses.replace(
+                placement,
+                pinion_late=placement.pinion_late + settings.pinion_late,
+                wheel_late=placement.wheel_late + settings.wheel_late,
+            ),
+            drive=dataclasses.replace(
+                drive,
+                pinion_inertia=drive.pinion_inertia * inertia,
+                wheel_inertia=drive.wheel_inertia * inertia,
+                damping_ratio=drive.damping_ratio * settings.damping_scale,
+            ),
+        )
