@@ -9,17 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.definition.setup import Member
-from gearfem.engagement.corners import (
-    FOLLOWED,
-    Touch,
-    bounded,
-    corner_on_corner,
-    corners,
-    nearest_edge,
-    pinion_corner,
-    wheel_corner,
-    within,
-)
+from gearfem.engagement.corners import FOLLOWED, Touch, bounded, nearest_edge, pinion_corner, wheel_corner, within
 from gearfem.engagement.record import Contacts
 from gearfem.engagement.search import search_contacts
 from gearfem.flank import Flanks, Outline
@@ -57,9 +47,9 @@ def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pai
 
     Notes
     -----
-    Two kinds of contact exist for unworn teeth: involute on involute, on the straight line of action, and a
-    corner of one tooth on the involute of the other, before and behind it: a tip round, or the edge that undercut
-    leaves at the form circle. Pairs with a worn tooth go to `search_contacts`. A late tooth is an exact shift: the
+    Two kinds of contact exist for unworn teeth, both in closed form: involute on involute, on the straight line of
+    action, and a tip round on the involute of the other tooth, before and behind it. Worn teeth, and undercut ones off
+    the line of action, go to `search_contacts`. A late tooth is an exact shift: the
     pinion's turns its pair back by e1/r_b1, and both add to the gap. Runout is added to the gaps of all pairs in first
     order (`runout_gap`).
     """
@@ -92,17 +82,14 @@ def _touches(flanks: Flanks, placement: Placement, angle: Array) -> tuple[Touch,
     ideal = angle / placement.pair.ratio
     if flanks.pinion.worn or flanks.wheel.worn:
         kinds = [_searched(flanks, placement, angle, path)]
+    elif flanks.pinion.undercut or flanks.wheel.undercut:
+        kinds = [path, _searched(flanks, placement, angle, path)]
     else:
-        corners1, corners2 = corners(flanks.pinion), corners(flanks.wheel)
-        kinds = [path]
-        kinds += [pinion_corner(flanks, placement, corner, angle) for corner in corners1]
-        kinds += [wheel_corner(flanks, placement, corner, angle) for corner in corners2]
-        kinds += [corner_on_corner(placement, edge, corners2[0], angle) for edge in corners1[1:]]
-        kinds += [corner_on_corner(placement, corners1[0], edge, angle) for edge in corners2[1:]]
+        kinds = [path, pinion_corner(flanks, placement, angle), wheel_corner(flanks, placement, angle)]
     # The first touch is the smallest lag of the wheel; a pair out of reach gets a lag of one module.
     lags = np.stack([np.where(kind.reach, (ideal - kind.wheel_angle) * base2, module) for kind in kinds])
     if kinds[0] is path:
-        lags[0][path.reach] = 0.0
+        lags[:, path.reach] = np.where(np.arange(len(kinds)) == 0, 0.0, module)[:, None]
     limit = REACH * module + flanks.pinion.deepest + flanks.wheel.deepest
     lags[lags > limit] = module
     first = np.argmin(lags, axis=0)
