@@ -2,6 +2,7 @@
 
 from gearfem.compliance.body import BodyCompliance, annulus_wind_up, body_compliance, body_share, scale_body
 from gearfem.compliance.castigliano import Castigliano, FilletMiddle, FormCircle, RootEnd
+from gearfem.compliance.crack import CrackTable, crack_table, crack_tooth, cracked
 from gearfem.compliance.elasticity import PlaneStrain, PlaneStress
 from gearfem.compliance.field import Field
 from gearfem.compliance.finite_elements import FiniteElements
@@ -21,6 +22,7 @@ __all__ = [
     "Castigliano",
     "Compliance",
     "ComplianceCurve",
+    "CrackTable",
     "Field",
     "FilletMiddle",
     "FiniteElements",
@@ -43,6 +45,9 @@ __all__ = [
     "annulus_wind_up",
     "body_compliance",
     "body_share",
+    "crack_table",
+    "crack_tooth",
+    "cracked",
     "load_positions",
     "make_compliance",
     "scale_body",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -75,7 +76,23 @@ def load_lines(outline: Outline, u: ArrayLike) -> LoadLines:
     return LoadLines(u=u, point=point, direction=direction, depth=-point[:, 1] / direction[:, 1])
 
 
-def forces(section: SectionMesh, lines: LoadLines) -> Array:
+class Loaded(Protocol):
+    """A mesh with a chain of nodes that takes loads, as `SectionMesh` describes them."""
+
+    @property
+    def mesh(self) -> Any:
+        """The mesh."""
+
+    @property
+    def outline(self) -> Ids:
+        """Nodes of the loaded side."""
+
+    @property
+    def outline_u(self) -> Array:
+        """Their parameters."""
+
+
+def forces(section: Loaded, lines: LoadLines) -> Array:
     """Return the nodal forces of unit line loads, shape (2 n, k), x components first.
 
     Notes
@@ -109,7 +126,7 @@ def _between(values: Array, wanted: Array) -> Ids:
     return edge
 
 
-def _weights(section: SectionMesh, chain: Ids, edge: Ids, place: Array, tangent: Array, direction: Array) -> Array:
+def _weights(section: Loaded, chain: Ids, edge: Ids, place: Array, tangent: Array, direction: Array) -> Array:
     nodes = section.mesh.doflocs.shape[1]
     ends = np.stack([chain[2 * edge + i] for i in range(3)], axis=1)
     shape = edge_shape(_local(section.mesh.doflocs.T[ends], place, tangent))

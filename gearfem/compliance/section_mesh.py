@@ -143,22 +143,38 @@ def sector_mesh(outline: Outline, resolution: float, focus: Focus = ()) -> Secti
 
     def half(shape: Outline) -> tuple[Array, ...]:
         tooth, space = _tooth_patch(shape, side, top, axis, bool(focus)), shape.point(root)[::-1]
-        return tooth, *_body_patches(gear, space, tooth[:, 0], layers, radii)
+        return tooth, *body_patches(gear, tooth[:, 0], space, even(layers), radii, (even(len(top) // 2), even(len(root) // 2)))
 
     work = join(half(outline), None if outline is sound else half(sound))
     return _sector_sets(work, np.concatenate([root, side[1:], top[1:]]))
 
 
-def _body_patches(gear: Gear, space: Array, floor: Array, layers: int, radii: Array) -> tuple[Array, Array, Array]:
-    """Return the patches below the tooth, below the space and the ring under both, from a seam at the largest of `radii`."""
+def body_patches(
+    gear: Gear, floor: Array, space: Array, rows: Array, radii: Array, columns: tuple[Array, Array]
+) -> tuple[Array, Array, Array]:
+    """Return the patches below the tooth, below the space and the ring under both.
+
+    Parameters
+    ----------
+    gear : Gear
+        The gear.
+    floor, space : ndarray, shapes (n, 2), (m, 2)
+        The tooth's floor from the axis to its foot on the outline, and the outline from there to the middle of the space [m].
+    rows : ndarray, shape (k,)
+        Fractions of the way up from a seam between the ring and the others.
+    radii : ndarray, shape (r,)
+        Of the ring, from the seam down to the bore [m].
+    columns : (ndarray, ndarray), shapes (n,), (m,)
+        Fractions of the seam's arcs below the tooth and below the space.
+    """
     seam, meeting = radii[0], floor[-1]
     angle = math.atan2(meeting[1], meeting[0])
-    under = polar(seam, angle * np.linspace(0.0, 1.0, len(floor)))
-    beside = polar(seam, angle + (math.pi / gear.teeth - angle) * np.linspace(0.0, 1.0, len(space)))
+    under = polar(seam, angle * columns[0])
+    beside = polar(seam, angle + (math.pi / gear.teeth - angle) * columns[1])
     beside[0] = under[-1]
-    fall = straight(under[-1], meeting, even(layers))
-    below = transfinite(under, fall, floor, straight(under[0], floor[0], even(layers)))
-    flank = transfinite(beside, straight(beside[-1], space[-1], even(layers)), space, fall)
+    fall = straight(under[-1], meeting, rows)
+    below = transfinite(under, fall, floor, straight(under[0], floor[0], rows))
+    flank = transfinite(beside, straight(beside[-1], space[-1], rows), space, fall)
     arc = np.concatenate([under, beside[1:]])
     ring = arc[:, None] * (radii[::-1] / seam)[None, :, None]
     ring[:, -1] = arc

@@ -80,7 +80,7 @@ def polar_of_cuts(nodes: int, angle: float) -> Array:
     result = np.zeros((2, 2 * nodes, 2, 2 * nodes))
     for side, at in ((0, -angle), (1, angle)):
         turn = np.array([[np.cos(at), -np.sin(at)], [np.sin(at), np.cos(at)]])
-        result[side, :, side] = np.kron(turn, np.eye(nodes)).reshape(2, nodes, -1).swapaxes(0, 1).reshape(2 * nodes, -1)
+        result[side, :, side] = np.kron(turn, np.eye(nodes)).reshape(2, nodes, 2 * nodes).swapaxes(0, 1).reshape(2 * nodes, 2 * nodes)
     return result.reshape(4 * nodes, 4 * nodes)
 
 
