@@ -78,10 +78,15 @@ class Mesh(Record):
             linear=read.linear,
             lever=lever,
             arm=contacts.arm1 * pair.face_width,
-            gap=contacts.gap + self.first_touch / lever,
+            gap=self.gap(contacts),
             line=Line(contacts.flank_radius, read.depth1, read.depth2, contacts.edge, contacts.edge_radius),
             lead=None if lead is None else lead.at(self.position(contacts)),
         )
+
+    def gap(self, contacts: Contacts) -> Array:
+        """Return the lag of the wheel at which each pair touches, the lead of the flanks included [m], shape (n, p)."""
+        gap: Array = contacts.gap + self.first_touch * self.placement.pair.wheel.base_radius / contacts.arm2
+        return gap
 
     def position(self, contacts: Contacts) -> Array:
         """Return pinion angles counted for each pair from its own pitch point [rad], shape (n, p)."""
@@ -132,7 +137,7 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     pairs = mesh.pairs(pinion_angle)
     shared = {shift: _share(mesh, pinion_angle + shift * small, pairs, torque) for shift in (-1, 0, 1)}
     contacts, sharing = shared[0]
-    deflection = sharing.transmission_error - contacts.gap.min(axis=1)
+    deflection = sharing.transmission_error - mesh.gap(contacts).min(axis=1)
     _refuse_overload(mesh, torque, float(deflection.max()))
     change = (shared[1][1].transmission_error - shared[-1][1].transmission_error) / (2.0 * small)
     force = sharing.force * pair.face_width

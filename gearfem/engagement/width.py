@@ -198,9 +198,8 @@ def lead_table(flanks: Flanks, placement: Placement, compliance: Compliance, law
 
     Sizes of errors on the coal combine pair (Wojnarowski & Onishchenko 2003) stand in the README.
     """
-    alike = dataclasses.replace(flanks, pinion_odd=(), wheel_odd=(), lead=Lead())
     position = path_positions(flanks, placement)
-    pair = sliced_pair(alike, placement, compliance, slices, position)
+    pair = sliced_pair(flanks, placement, compliance, slices, position)
     gap = slices.gap(flanks.lead)
     touch = float(gap.min())
     # The load that closes the lead if it tilts the teeth: an end slice alone yields softer, a body stiffer.
@@ -233,9 +232,16 @@ def path_positions(flanks: Flanks, placement: Placement) -> Array:
 
 
 def sliced_pair(flanks: Flanks, placement: Placement, compliance: Compliance, slices: FaceSlices, position: Array) -> SlicedPair:
-    """Return a pair in slices at positions of its path, pinion angles from its pitch point [rad]."""
-    contacts = find_contacts(flanks, placement, position, (0,))
-    read = read_compliance(compliance, contacts)
+    """Return a pair of teeth like most in slices, at positions of its path, pinion angles from its pitch point [rad]."""
+    even = dataclasses.replace(
+        placement,
+        pinion_late=np.zeros_like(placement.pinion_late),
+        wheel_late=np.zeros_like(placement.wheel_late),
+        pinion_runout=(0.0, 0.0),
+        wheel_runout=(0.0, 0.0),
+    )
+    contacts = find_contacts(dataclasses.replace(flanks, pinion_odd=(), wheel_odd=()), even, position, (0,))
+    read = read_compliance(dataclasses.replace(compliance, pinion_odd=(), wheel_odd=()), contacts)
     width = placement.pair.face_width
     matrix = _spread(flanks.pinion.gear, width, slices, contacts.u1[:, 0]) + _spread(flanks.wheel.gear, width, slices, contacts.u2[:, 0])
     # Unevenness comes of the width: edges of the profile are left to the law of the pair.
