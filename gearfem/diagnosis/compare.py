@@ -12,7 +12,7 @@ from gearfem.diagnosis.bench import Bench, Settings, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.linear import Elimination, eliminate
 from gearfem.diagnosis.noise import Noise, measure_noise
-from gearfem.diagnosis.nuisances import Nuisance, neutral_value, nuisances_of, slopes, with_values
+from gearfem.diagnosis.nuisances import Nuisance, moved_settings, nuisances_of, slopes
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.diagnosis.zero import guess_zero
 from gearfem.foundation import Array, Record
@@ -190,7 +190,7 @@ class _Fit:
         self.nuisances = nuisances_of(campaign, records)
         self.offsets = [i for i, record in enumerate(records) if record.quantity.free_constant]
         self.teeth = scatter.deviations(campaign.setup.pair)
-        self.prior = np.concatenate([[n.prior for n in self.nuisances], np.full(len(self.offsets), FREE), self.teeth])
+        self.prior = np.concatenate([np.ones(len(self.nuisances)), np.full(len(self.offsets), FREE), self.teeth])
         self.reach = np.concatenate([[n.reach for n in self.nuisances], np.full(len(self.prior) - len(self.nuisances), np.inf)])
 
     # The unknowns in prior deviations: nuisances, offsets, then of each tooth the index error and its waviness.
@@ -204,8 +204,7 @@ class _Fit:
         index = value[self.first_tooth :: self.scatter.terms + 1]
         z1 = self.campaign.setup.pair.pinion.teeth
         teeth = Settings(pinion_late=index[:z1], wheel_late=index[z1:])
-        neutral_values = np.array([neutral_value(n) for n in self.nuisances])
-        return with_values(teeth, self.nuisances, neutral_values + value[: len(self.nuisances)])
+        return moved_settings(teeth, self.nuisances, value[: len(self.nuisances)])
 
     def state(self, unknown: Array) -> _State:
         """Return the point with everything that is predicted there; waviness is added by `explained`."""
@@ -220,7 +219,7 @@ class _Fit:
             offset = np.zeros((len(record.axis), len(self.offsets)))
             if i in self.offsets:
                 offset[:, self.offsets.index(i)] = 1.0
-            own = slopes(record, self.bench, state.settings, self.nuisances)
+            own = slopes(record, self.bench, state.settings, self.nuisances, state.unknown[: len(self.nuisances)])
             teeth = tooth_columns(record, self.bench, state.settings, self.scatter)
             out.append(np.concatenate([own, offset, teeth], axis=1) * self.prior)
         return out
@@ -261,7 +260,7 @@ class _Fit:
         best: tuple[float, _State] | None = None
         for number, shift in enumerate(found):
             progress("angle zero", number, len(found))
-            unknown[place] = shift / self.prior[place]
+            unknown[place] = shift / self.nuisances[place].prior
             state = self.round(self.state(unknown.copy()))
             if best is None or state.objective < best[0]:
                 best = (state.objective, state)
@@ -366,8 +365,8 @@ class _Fit:
         return Shift(
             name=nuisance.name,
             words=nuisance.words,
-            value=neutral_value(nuisance) + float(moved) * nuisance.prior,
-            stderr=float(deviation) * nuisance.prior,
+            value=nuisance.value(float(moved)),
+            stderr=float(deviation) * nuisance.prior * (nuisance.value(float(moved)) if nuisance.is_scale else 1.0),
             prior=nuisance.prior,
             deviations=float(moved),
         )

@@ -24,7 +24,7 @@ class Nuisance(Record):
     words : str
         For reports.
     prior : float
-        Standard deviation [rad for the angle, else dimensionless].
+        Standard deviation: of the angle [rad], else of the logarithm of a scale, which cannot turn negative.
     step : float
         Step of the finite difference, in prior deviations.
     reach : float
@@ -36,6 +36,15 @@ class Nuisance(Record):
     prior: float
     step: float = 0.1
     reach: float = 5.0
+
+    @property
+    def is_scale(self) -> bool:
+        """Whether it multiplies."""
+        return self.name != "angle_offset"
+
+    def value(self, moved: float) -> float:
+        """Return the value of the setting so many prior deviations from the model's."""
+        return math.exp(moved * self.prior) if self.is_scale else moved * self.prior
 
 
 # Torque and stiffness act as their ratio on everything slow; Young's modulus (1 %) is merged with the stiffness scale (5 %).
@@ -68,27 +77,38 @@ def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[
     return tuple(found)
 
 
-def neutral_value(nuisance: Nuisance) -> float:
-    """Return the value of a nuisance in a model that is exactly right."""
-    return 0.0 if nuisance.name == "angle_offset" else 1.0
-
-
-def with_values(settings: Settings, nuisances: tuple[Nuisance, ...], values: Array) -> Settings:
-    """Return settings with nuisances at these values, shape (number of them,)."""
-    changes: dict[str, Any] = {nuisance.name: float(value) for nuisance, value in zip(nuisances, values, strict=True)}
+def moved_settings(settings: Settings, nuisances: tuple[Nuisance, ...], moved: Array) -> Settings:
+    """Return settings with nuisances so many prior deviations from the model's values, shape (number of them,)."""
+    changes: dict[str, Any] = {nuisance.name: nuisance.value(float(place)) for nuisance, place in zip(nuisances, moved, strict=True)}
     return dataclasses.replace(settings, **changes)
 
 
-def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tuple[Nuisance, ...]) -> Array:
-    """Return the derivatives of a record over the values of nuisances by central differences, shape (n, number of them)."""
+def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tuple[Nuisance, ...], moved: Array) -> Array:
+    """Return the derivatives of a record over nuisances in prior deviations, shape (n, number of them).
+
+    Parameters
+    ----------
+    record : Measurement
+        Any record.
+    bench : Bench
+        The model.
+    settings : Settings
+        Where it stands, the nuisances included.
+    nuisances : tuple of Nuisance
+        Which ones.
+    moved : ndarray, shape (number of them,)
+        Where they stand, in prior deviations.
+    """
     out = np.zeros((len(record.axis), len(nuisances)))
     for place, nuisance in enumerate(nuisances):
         if record.quantity.of_gear or (nuisance in MOVING and not record.quantity.moving):
             continue
         if nuisance.name == "gain" and record.quantity.axis == "angle":
-            out[:, place] = bench.predict(record, settings) / settings.gain
+            out[:, place] = nuisance.prior * bench.predict(record, settings)
             continue
-        step, here = nuisance.step * nuisance.prior, getattr(settings, nuisance.name)
-        ahead, behind = (bench.predict(record, with_values(settings, (nuisance,), np.array([here + sign * step]))) for sign in (1.0, -1.0))
-        out[:, place] = (ahead - behind) / (2.0 * step)
+        values = []
+        for sign in (1.0, -1.0):
+            away = nuisance.value(float(moved[place]) + sign * nuisance.step)
+            values.append(bench.predict(record, dataclasses.replace(settings, **{nuisance.name: away})))  # type: ignore[arg-type]
+        out[:, place] = (values[0] - values[1]) / (2.0 * nuisance.step)
     return out
