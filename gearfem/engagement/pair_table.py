@@ -7,16 +7,16 @@ import functools
 import itertools
 import math
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from gearfem.contact import Line
 from gearfem.engagement.contacts import REACH, find_contacts
 from gearfem.engagement.engage import LARGEST_OVERLOAD, Mesh
 from gearfem.engagement.record import Contacts
+from gearfem.engagement.sharing import PairSystem
 from gearfem.engagement.teeth import read_compliance
 from gearfem.foundation import Array, Record, SolveError
 
@@ -28,15 +28,18 @@ SEARCH, SECTIONS, ROUNDS = 200, 64, 4
 # A contact point that moves this many times farther in a step than the median has jumped.
 JUMP = 8.0
 GONE = 1.0
+# Levels of samples below the tabulated ones, and Newton steps from them: the slope is taken where the last step, squared, ends.
+BELOW, MOST_NEWTON, CLOSE = 8, 30, 1e-6
+FLANK, ON_FLANK = 1, 6
 
 
 class Span(NamedTuple):
-    """A part of the way without kinks: its ends in pitches, whether they are kinks, and whether the pair is in reach."""
+    """A part of the way without kinks: its ends in pitches, whether they are kinks, and where the pair touches, see `_code`."""
 
     start: float
     end: float
     sharp: tuple[bool, bool]
-    reach: bool
+    code: int
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,8 +50,8 @@ class PairTable(Record):
     ----------
     knots : ndarray, shape (c + 1,)
         Ends of the cells; kinks of gap and law are among them.
-    shape : ndarray, shape (c, 6, 4)
-        Gap, arms l1, l2, friction arms h1, h2 and sliding velocity, over x - knot [m], [m/rad].
+    shape : ndarray, shape (c, 7, 4)
+        Gap, arms l1, l2, friction arms h1, h2 [m] and sliding velocity [m/rad], over x - knot; 1 on the flanks, 0 on corners.
     law : ndarray, shape (c, l, 2, 4)
         Line load over available approach a at each level, and its derivative over ln a [N/m2].
     kinks : tuple of float
@@ -124,23 +127,25 @@ def pair_table(mesh: Mesh, number: int, cells: int = CELLS) -> PairTable:
     knots = [_graded(span, cells) for span in spans]
     rows = [_inside(part) for part in knots]
     contacts = _contacts(mesh, number, np.concatenate(rows))
-    quantities = ("gap", "arm1", "arm2", "friction_arm1", "friction_arm2", "sliding_velocity")
-    values = np.stack([getattr(contacts, name)[:, 0] for name in quantities], axis=1)
-    law = _law(mesh, contacts)
+    system = mesh.system(contacts)
+    quantities = (contacts.arm1, contacts.arm2, contacts.friction_arm1, contacts.friction_arm2, contacts.sliding_velocity)
+    values = np.concatenate([system.gap, *quantities, np.ones_like(system.gap)], axis=1)
+    law = _law(mesh, system, contacts.reach[:, 0])
     columns = np.concatenate([values, law.reshape(len(law), -1)], axis=1)
     pieces, start = [], 0
     for span, part in zip(spans, knots, strict=True):
         end = start + part.size
         piece = _spline(part, columns[start:end])
-        if not span.reach:
+        piece[:, ON_FLANK] = [0.0, 0.0, 0.0, float(span.code == FLANK)]
+        if span.code == 0:
             piece[:, 0] = [0.0, 0.0, 0.0, GONE]
         pieces.append(piece)
         start = end
     pieces_all = np.concatenate(pieces)
     return PairTable(
         knots=np.concatenate([part[:-1] for part in knots] + [knots[-1][-1:]]),
-        shape=pieces_all[:, :6],
-        law=pieces_all[:, 6:].reshape(len(pieces_all), -1, 2, 4),
+        shape=pieces_all[:, : ON_FLANK + 1],
+        law=pieces_all[:, ON_FLANK + 1 :].reshape(len(pieces_all), -1, 2, 4),
         kinks=kinks,
     )
 
@@ -176,7 +181,7 @@ def coupling_table(
         return None
     kinks = {*tables[0].kinks, *(kink + apart for kink in tables[1].kinks)}
     ends = [low, *sorted(kink for kink in kinks if low + FINEST < kink < high - FINEST), high]
-    parts = [_graded(Span(a, b, (a != low, b != high), True), cells) for a, b in itertools.pairwise(ends)]
+    parts = [_graded(Span(a, b, (a != low, b != high), FLANK), cells) for a, b in itertools.pairwise(ends)]
     rows = np.concatenate([_inside(part) for part in parts])
     contacts = _contacts(mesh, number, rows, (number, number + apart))
     linear = read_compliance(mesh.compliance, contacts).linear
@@ -210,7 +215,7 @@ def _spans(mesh: Mesh, number: int) -> tuple[list[Span], tuple[float, ...]]:
     spans = []
     for (_, start), (end, _) in itertools.pairwise(ends):
         middle = 0.5 * (start + end)
-        reach = bool(_code(_contacts(mesh, number, np.array([middle])))[0] > 0)
+        reach = int(_code(_contacts(mesh, number, np.array([middle])))[0])
         if x[known[0]] - 1.0 / SEARCH < middle < x[known[-1]] + 1.0 / SEARCH:
             spans.append((start, end, reach))
     # The two sides of a kink share one end: its width is rounding.
@@ -269,31 +274,34 @@ def _spline(knots: Array, values: Array) -> Array:
     return np.ascontiguousarray(np.moveaxis(CubicSpline(knots, values).c, 0, -1))
 
 
-def _law(mesh: Mesh, contacts: Contacts) -> Array:
+def _law(mesh: Mesh, system: PairSystem, reach: NDArray[np.bool_]) -> Array:
     """Return load over approach and its slope over ln(approach), shape (rows, levels, 2) [N/m2]; 1 and 0 out of reach."""
-    module = mesh.placement.pair.pinion.module
-    steps = levels(module)
-    out = np.stack([np.ones((len(contacts.gap), steps.size)), np.zeros((len(contacts.gap), steps.size))], axis=-1)
-    reach = contacts.reach[:, 0]
-    read = read_compliance(mesh.compliance, contacts)
-    own = read.linear[reach, 0, 0][:, None]
-    line = [values[reach, :1] for values in (contacts.flank_radius, read.depth1, read.depth2, contacts.edge, contacts.edge_radius)]
+    steps = levels(mesh.placement.pair.pinion.module)
+    out = np.stack([np.ones((reach.size, steps.size)), np.zeros((reach.size, steps.size))], axis=-1)
+    own = system.linear[reach, 0, 0][:, None]
+    # Every row once for each load that it is asked for.
+    place: Any = (np.flatnonzero(reach).repeat(steps.size), 0)
+    below: Any = (np.flatnonzero(reach).repeat(steps.size + BELOW), 0)
+    at = {repeated[0].size: system.local(mesh.law).at(repeated) for repeated in (place, below)}
 
     def respond(force: Array) -> tuple[Array, Array]:
-        wide = Line(*(np.broadcast_to(values, force.shape).ravel() for values in line))
-        approach = own * force + mesh.law.approach(force.ravel(), wide).reshape(force.shape)
-        return approach, own + mesh.law.compliance(force.ravel(), wide).reshape(force.shape)
+        local, flat = at[force.size], force.ravel()
+        approach = own * force + local.approach(flat).reshape(force.shape)
+        return approach, own + local.compliance(flat).reshape(force.shape)
 
     # Loads that the teeth alone would bear at these approaches lie above the levels; samples go on below them.
-    force = np.exp(np.concatenate([steps[0] - LEVEL * np.arange(8, 0, -1), steps])) / own
+    force = np.exp(np.concatenate([steps[0] - LEVEL * np.arange(BELOW, 0, -1), steps])) / own
     approach, slope = respond(force)
     loads = np.empty((force.shape[0], steps.size))
     kernels().resample(np.log(approach), np.log(force), approach / force / slope, steps, loads)
     loads, wanted = np.exp(loads), np.exp(steps)
-    for _ in range(2):
+    for _ in range(MOST_NEWTON):
         approach, slope = respond(loads)
-        loads = loads + (wanted - approach) / slope
-    if not (loads > 0.0).all():
+        step = (wanted - approach) / slope
+        loads = np.maximum(loads + step, 0.1 * loads)
+        if np.abs(step / loads).max() < CLOSE:
+            break
+    else:
         raise SolveError("the contact law could not be tabulated")
     secant = loads / wanted
     out[reach] = np.stack([secant, 1.0 / slope - secant], axis=-1)

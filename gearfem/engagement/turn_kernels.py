@@ -1,6 +1,6 @@
 """Compiled inner loops of the engagement over many turns; imported when the first angle is solved, never with gearfem.
 
-Tables are stacked: `knots` (t, c + 1) and `bins` (t, b) place an angle, `shape` (t, c, 6, 4) and `law` (t, c, l, 2, 4) are cubics
+Tables are stacked: `knots` (t, c + 1) and `bins` (t, b) place an angle, `shape` (t, c, 7, 4) and `law` (t, c, l, 2, 4) are cubics
 over it (highest power first). A `desk` is the scratch space of one angle, see `lay`.
 """
 
@@ -14,8 +14,9 @@ import numpy as np
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
-GAP, ARM1, ARM2, FRICTION1, FRICTION2, SLIDING, CELL, PLACE, TABLE, FORCE, STIFFNESS, MISS, LEVER, MOMENT, DUAL, GAP_RATE = range(16)
-COLUMNS = 16
+QUANTITIES, COLUMNS = 7, 17
+GAP, ARM1, ARM2, FRICTION1, FRICTION2, SLIDING, ON_FLANK = range(QUANTITIES)
+CELL, PLACE, TABLE, FORCE, STIFFNESS, MISS, LEVER, MOMENT, DUAL, GAP_RATE = range(QUANTITIES, COLUMNS)
 MOST_PAIRS = 10
 ROUNDS = 40
 # Newton's method converges quadratically: a load met to 1e-11 has its last digits.
@@ -84,10 +85,11 @@ def lay(
             continue
         d = x - knots[table, cell]
         own = shape[table, cell]
-        for quantity in range(6):
+        for quantity in range(QUANTITIES):
             desk[slot, quantity] = cubic(own[quantity], d)
         desk[slot, PLACE] = d
-        desk[slot, GAP_RATE] = (3.0 * own[0, 0] * d + 2.0 * own[0, 1]) * d + own[0, 2]
+        # Corners count as if their gap stood still: as in the elastic model, the damper sees what happens on the flanks.
+        desk[slot, GAP_RATE] = desk[slot, ON_FLANK] * ((3.0 * own[0, 0] * d + 2.0 * own[0, 1]) * d + own[0, 2])
         lever = desk[slot, ARM2] / base2
         desk[slot, LEVER] = lever
         # A late pinion tooth acts along its own normal by l1/r_b1, a late wheel tooth as the wheel's lag does.

@@ -19,7 +19,7 @@ from gearfem.engagement.pair_table import LEVEL, CouplingTable, coupling_table, 
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.record import digest
 from gearfem.foundation.units import MM
-from gearfem.placement import Placement
+from gearfem.placement import runout_gap
 
 Table = TypeVar("Table")
 Ints = NDArray[np.int64]
@@ -170,6 +170,13 @@ class Turns(Record):
         return digest((self.bare.placement, self.bare.law, self.bare.flanks.lead))
 
     @functools.cached_property
+    def plain(self) -> Turns:
+        """The same gears evenly spaced, centred and rigidly supported; tables are shared."""
+        turns = Turns(mesh=self.bare)
+        turns.__dict__.update(kinds=self.kinds, common=self.common, _stacks=self._stacks)
+        return turns
+
+    @functools.cached_property
     def _stacks(self) -> dict[bytes, Stack]:
         return {}
 
@@ -278,7 +285,7 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
     force, weight1, weight2 = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     late = placement.pinion_late, placement.wheel_late
     size = pair.face_width, pair.pinion.base_radius, pair.wheel.base_radius
-    gap = common_gap(placement, angle)
+    gap = runout_gap(placement, angle)[0]
     tables = stack.arrays(float(levels(pair.pinion.module)[0]), late)
     failed = kernels().share(
         pitches, load, gap, float(friction), placement.support, *size, *tables, error, slope, first, force, weight1, weight2
@@ -297,22 +304,6 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
         wheel_weight=weight2,
         teeth=turns.teeth,
     )
-
-
-def common_gap(placement: Placement, pinion_angle: Array) -> Array:
-    """Return the gap that the runouts of both gears open at all pairs [m], of first order, at pinion angles [rad].
-
-    Notes
-    -----
-    The displacement of each toothing's centre along the line of action, which leads from the pinion into the wheel: a pinion moved
-    that way touches earlier, a wheel later. Changes of centre distance move involutes along their line of action only.
-    """
-    normal = math.pi / 2.0 - placement.working_pressure_angle
-    one = np.asarray(pinion_angle) + placement.pinion_start - normal
-    two = np.asarray(pinion_angle) / placement.pair.ratio + placement.wheel_start + normal
-    (x1, y1), (x2, y2) = placement.pinion_runout, placement.wheel_runout
-    gap: Array = -(x1 * np.cos(one) + y1 * np.sin(one)) - (x2 * np.cos(two) + y2 * np.sin(two))
-    return gap
 
 
 def _fail(turns: Turns, torque: float, angle: float, solved: bool) -> None:
