@@ -11,6 +11,8 @@ import pytest
 from gearfem.definition.setup import Gear, GearPair, Material, Operation, Rack, Setup
 from gearfem.dynamics import DriveTrain
 from gearfem.engagement.record import MeshForce
+from gearfem.flank import Flanks
+from gearfem.placement import Placement
 
 # Most trusted first: a wrong formula is to fail where it is proved, not where it is pinned.
 TRUST = ("truth", "invariance", "convergence", "limits", "published", "contract", "recovery", "unit", "studies", "pinned", "house")
@@ -156,3 +158,25 @@ def coal_drive() -> DriveTrain:
         friction_coefficient=0.0,
         damping_ratio=0.18,
     )
+
+
+def first_by_brute_force(flanks: Flanks, placement: Placement, angle: float) -> float:
+    """Return the gap at which dense polylines of both teeth touch: each point of one against the segments of the other."""
+    pair, u = placement.pair, np.concatenate([np.linspace(2.0, 3.0, 6001), np.linspace(3.0, 4.0, 4001)[1:]])
+    axis1 = angle + placement.pinion_start
+    (x1, y1), (x2, y2) = flanks.pinion.point(u).T, flanks.wheel.point(u).T
+    x, y = x1 * math.cos(axis1) - y1 * math.sin(axis1), x1 * math.sin(axis1) + y1 * math.cos(axis1)
+    radius, seen = np.hypot(placement.centre_distance - x, y), np.arctan2(-y, placement.centre_distance - x)
+    radius2, polar2 = np.hypot(x2, y2), np.arctan2(y2, x2)
+    inside = (radius >= radius2[0]) & (radius <= radius2[-1])
+    order = np.argsort(radius)
+    first = (seen - np.interp(radius, radius2, polar2))[inside].min()
+    second = (np.interp(radius2, radius[order], seen[order], left=np.inf, right=np.inf) - polar2).min()
+    wheel_angle = -min(first, second) - placement.wheel_start
+    return (angle / pair.ratio - wheel_angle) * pair.wheel.base_radius
+
+
+@pytest.fixture(scope="session")
+def dense_gap():
+    """The function that finds where two teeth touch by brute force."""
+    return first_by_brute_force
