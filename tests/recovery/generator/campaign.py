@@ -13,15 +13,14 @@ from .design import draw_model, draw_pair, draw_specs, draw_truth, nominal_syste
 from .effects import Effect
 from .gear import Array
 from .hidden import HIDDEN
+from .label import acceptable, described, floor, twin_strengths, verdicts
 from .observe import Spec, axis, measure
-from .rivals import RIVALS, brief
-from .sizes import AT_SPEED, SINGLE, draw, equivalent
+from .sizes import AT_SPEED, SINGLE, draw
 from .strength import Scale
 from .system import Scatter, System
 
 LEVELS = {"easy": (6.0, 40.0), "medium": (2.3, 4.8), "weak": (0.15, 0.7), "hidden": (6.0, 18.0)}
 KINDS = ("single", "double", "none", "hidden", "twins", "weak")
-APART = 2.3
 LEAD = ("lead_misalignment", "crowning", "end_relief")
 
 
@@ -87,7 +86,9 @@ def _attempt(key: tuple[int, ...], kind: str, effect: str | None, level: str | N
         twin = twins.draw(names[0], healthy, rng)
         specs, effects, accept, deciding = twin.specs, twin.effects, twin.accept, twin.deciding
         causes: list[Callable[[System], System]] = [e.apply for e in effects]
-        strengths: list[float] = []
+        strengths = twin_strengths(twin, healthy, known_zero)
+        if strengths[0] < 3.0 or strengths[1] > min(2.5, 0.5 * strengths[0]) or strengths[2] < 3.5:
+            return None
         level = "twins"
     else:
         specs = draw_specs(healthy, rng, dynamic=fast)
@@ -97,7 +98,7 @@ def _attempt(key: tuple[int, ...], kind: str, effect: str | None, level: str | N
         if sized is None:
             return None
         effects, causes, strengths = sized
-        accept, deciding = acceptable(effects, healthy, specs, scale, rng), []
+        accept, deciding = acceptable(effects, healthy, specs, scale), []
     system = healthy
     for cause in causes:
         system = cause(system)
@@ -109,16 +110,16 @@ def _attempt(key: tuple[int, ...], kind: str, effect: str | None, level: str | N
         clean = measure(stage, spec)
         columns = read(stage, spec, coloured, rng, clean)
         series.append(columns)
-        floors.append(_floor(stage, system, healthy, spec, clean))
+        floors.append(floor(stage, system, healthy, spec, clean))
     written = [replace(s, role=None if hide_roles else s.role, stated=stated) for s in specs]
     label = {
         "kind": kind,
         "level": level,
         "seed": list(key),
-        "effects": [_described(e, healthy) for e in effects],
+        "effects": [described(e, healthy) for e in effects],
         "hidden": names[0] if kind == "hidden" else None,
         "strengths": strengths,
-        "verdicts": _verdicts(kind, accept),
+        "verdicts": verdicts(kind, accept),
         "accept": accept,
         "records": floors,
         "nuisances": {**nuisances, "coloured_noise": coloured, "roles_given": not hide_roles},
@@ -201,65 +202,3 @@ def _solve(
         if size >= most and value < band[0]:
             return None, value
     return (size, value) if band[0] <= value <= band[1] else (None, value)
-
-
-def _described(effect: Effect, healthy: System) -> dict[str, Any]:
-    params = effect.params
-    near = params
-    if effect.name in ("tip_relief", "profile_wear", "profile_slope", "pitting"):
-        depth = effect.apply(healthy).profiles[-1].depth
-        near = equivalent(effect.name, healthy, params, depth)
-    return {"name": effect.name, "parameters": params, "nearest_catalogue": near, "shape_seed": effect.shape}
-
-
-def acceptable(
-    effects: list[Effect], healthy: System, specs: list[Spec], scale: Scale | None, rng: np.random.Generator
-) -> list[list[dict[str, Any]]]:
-    """Sets of names that count as right: the truth first, then those that leave less than `APART` of it unexplained."""
-    sets: list[list[dict[str, Any]]] = [[]]
-    for effect in effects:
-        options = [brief(effect)]
-        own = np.zeros(0) if scale is None else scale.whiten(effect.apply(healthy))
-        for name, forced in RIVALS.get(effect.name, lambda e: [])(effect):
-            params, least, most = draw(name, healthy, specs, np.random.default_rng(3))
-            rivals = []
-            for size in np.geomspace(max(least, most / 40), most, 3):
-                wanted = {**params(float(size)), **forced}
-                rivals.append(Effect(name, wanted, 1).apply(healthy))
-            if scale is not None and scale.apart(own, rivals) < APART:
-                options.append(brief(Effect(name, {**params(least), **forced})))
-        sets = [[*s, o] for s in sets for o in options]
-    return sets
-
-
-def _verdicts(kind: str, accept: list[list[dict[str, Any]]]) -> list[str]:
-    if kind == "none":
-        return ["no_discrepancy"]
-    if kind == "hidden":
-        return ["unexplained"]
-    if kind == "twins":
-        return ["ambiguous"]
-    if kind == "weak":
-        return ["no_discrepancy", "ambiguous", "explained"]
-    return ["explained"] if len(accept) == 1 else ["explained", "ambiguous"]
-
-
-def _floor(stage: System, system: System, healthy: System, spec: Spec, clean: Array) -> dict[str, Any]:
-    """RMS of the sensor, of what scatter leaves, of what waviness leaves, and of the cause itself, in the record's unit."""
-    waved = stage.scatter
-    index = replace(stage, scatter=Scatter(waved.late, Scatter.none(stage.pair).wave))
-    plain = measure(system, spec)
-
-    def rms(values: Array) -> float:
-        centred = values - values.mean() if spec.constant else values
-        return float(np.sqrt(np.mean(centred**2)))
-
-    return {
-        "file": spec.file,
-        "quantity": spec.quantity,
-        "role": spec.role,
-        "noise_rms": spec.noise,
-        "floor_rms": float(np.hypot(rms(clean - plain), spec.noise)),
-        "floor_index_rms": float(np.hypot(rms(clean - measure(index, spec)), spec.noise)),
-        "signature_rms": rms(plain - measure(healthy, spec)),
-    }

@@ -22,7 +22,7 @@ def draw_pair(rng: np.random.Generator) -> Pair:
     for _ in range(1000):
         teeth = (int(rng.integers(17, 34)), int(rng.integers(22, 68)))
         module = float(rng.choice(MODULES)) * 1e-3
-        shifts = tuple(round(float(x), 2) for x in rng.choice([0.0, 1.0], 1) * rng.uniform([-0.05, -0.3], [0.6, 0.5]))
+        shifts = tuple(round(float(x), 2) + 0.0 for x in rng.choice([0.0, 1.0], 1) * rng.uniform([-0.05, -0.3], [0.6, 0.5]))
         width = round(float(rng.uniform(6.0, 13.0)) * module * 1e3) * 1e-3
         bores = tuple(round(float(x), 3) for x in rng.uniform(0.3, 0.62, 2))
         backlash = round(float(rng.uniform(0.02, 0.06)) * module, 6)

@@ -23,6 +23,16 @@ def _same(effect: Effect) -> dict[str, Any]:
     return {key: effect.params[key] for key in ("gear", "tooth") if key in effect.params}
 
 
+def signed(effect: Effect, name: str, forced: dict[str, Any], size: float) -> dict[str, Any]:
+    """Give a rival that has a sign the one that imitates: a slope mirrored on the mate turns round, a late tooth stays late."""
+    if name not in ("profile_slope", "pitch_error"):
+        return {}
+    sign = -1.0 if effect.params.get("amount_um", 1.0) < 0.0 else 1.0
+    if name == effect.name == "profile_slope" and forced["gear"] != effect.params["gear"]:
+        sign = -sign
+    return {"amount_um": sign * abs(size)}
+
+
 def _lead(effect: Effect) -> list[Rival]:
     rivals: list[Rival] = [(name, {}) for name in ("lead_misalignment",) if name != effect.name]
     for name in ("crowning", "end_relief"):

@@ -42,10 +42,8 @@ class Scale:
             extra = 0.0
             if spec.quantity == "static_transmission_error":
                 extra = 0.2
-            elif spec.quantity == "flank_profile":
-                extra = 0.3
             elif spec.quantity in STATIC_OF_ONE_GEAR:
-                extra = 1.0
+                extra = 1.0 if spec.quantity == "radial_runout" else 0.3
             elif spec.quantity == "dynamic_factor":
                 extra = 0.3 * float(np.std(base))
             elif spec.speed:

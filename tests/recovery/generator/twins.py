@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -35,8 +34,8 @@ def _slow(system: System, levels: list[float], turns: float, rng: np.random.Gene
 def slope_of_either_gear(system: System, rng: np.random.Generator) -> Twin:
     """A profile slope: the mirror on the other gear gives the same transmission error. A flank trace decides."""
     g = int(rng.integers(2))
-    amount = float(rng.uniform(7.0, 14.0) * rng.choice([-1, 1]))
-    specs = _slow(system, [rng.uniform(0.06, 0.14), 0.4, 1.0], float(rng.uniform(1.5, 3.0)), rng)
+    amount = float(rng.uniform(3.5, 5.5) * rng.choice([-1, 1]))
+    specs = _slow(system, [rng.uniform(0.35, 0.45), 0.6, 1.0], float(rng.uniform(1.5, 3.0)), rng)
     specs += _slow(system, [0.7], float(rng.uniform(1.5, 3.0)), rng, "holdout")
     trace = Spec(f"flank_profile_{GEARS[g]}.csv", "flank_profile", gear=g, tooth=3, noise=0.4)
     accept = [[{"name": "profile_slope", "gear": GEARS[x]}] for x in (g, 1 - g)]
@@ -50,7 +49,7 @@ def tooth_of_either_gear(system: System, rng: np.random.Generator) -> Twin:
     tooth = int(rng.integers(4, most - 5))
     turns = (most - 1.5) / system.pair.pinion.teeth
     specs = _slow(system, [rng.uniform(0.06, 0.14), 0.4, 1.0], turns, rng) + _slow(system, [0.7], turns, rng, "holdout")
-    amount = float(rng.uniform(8.0, 15.0) * rng.choice([-1, 1]))
+    amount = float(rng.uniform(6.0, 10.0) * rng.choice([-1, 1]))
     pitch = Spec(f"pitch_deviation_{GEARS[g]}.csv", "pitch_deviation", gear=g, noise=0.4, turns=1.0)
     accept = [[{"name": "pitch_error", "gear": GEARS[x], "tooth": tooth}] for x in (g, 1 - g)]
     params = {"gear": GEARS[g], "tooth": tooth, "amount_um": amount}
@@ -71,27 +70,22 @@ def body_or_contact(system: System, rng: np.random.Generator) -> Twin:
     return Twin(specs, [Effect(name, {"scale": scale}, int(rng.integers(2**31)))], accept, more)
 
 
-def runout_or_ripple(system: System, rng: np.random.Generator) -> Twin:
-    """Once a turn of the pinion at one torque: eccentric, or driven unevenly. A second, low torque decides."""
-    turns = float(rng.uniform(1.8, 3.5))
-    specs = _slow(system, [1.0], turns, rng) + _slow(system, [0.97], turns, rng, "holdout")
-    phase = float(rng.uniform(0, 2 * math.pi))
-    amount = float(rng.uniform(2.0, 4.0))
-    if rng.random() < 0.5:
-        effect = Effect("runout", {"gear": "pinion", "eccentricity_um": amount, "angle_rad": phase}, 1)
-    else:
-        size = 0.18 * system.torque * amount / 3.0
-        effect = Effect("torque_ripple", {"gear": "pinion", "order": 1, "amplitude_Nm": size, "phase_rad": phase}, 1)
-    names = ["runout", "torque_ripple"]
-    accept = [[{"name": x, "gear": "pinion"}] for x in sorted(names, key=lambda x: x != effect.name)]
-    return Twin(specs, [effect], accept, _slow(system, [0.15], turns, rng))
+def gain_or_softness(system: System, rng: np.random.Generator) -> Twin:
+    """An encoder that reads too much, or teeth that yield too much, at one torque. A measured stiffness decides: it goes up or down."""
+    specs = _slow(system, [1.0], float(rng.uniform(1.5, 3.0)), rng) + _slow(system, [0.95], 1.5, rng, "holdout")
+    torque = float(f"{system.torque * 0.8:.4g}")
+    file = f"mesh_stiffness_{torque:.4g}Nm".replace(".", "p") + ".csv"
+    more = [Spec(file, "mesh_stiffness", torque, noise=2.0, turns=4.0 / system.pair.pinion.teeth, samples=50)]
+    names = ["sensor_gain", "body_compliance", "contact_compliance"]
+    true = Effect("sensor_gain", {"scale": float(rng.uniform(1.45, 1.7))})
+    return Twin(specs, [true], [[{"name": name}] for name in names], more)
 
 
 TWINS: dict[str, Callable[[System, np.random.Generator], Twin]] = {
     "slope_of_either_gear": slope_of_either_gear,
     "tooth_of_either_gear": tooth_of_either_gear,
     "body_or_contact": body_or_contact,
-    "runout_or_ripple": runout_or_ripple,
+    "gain_or_softness": gain_or_softness,
 }
 
 
