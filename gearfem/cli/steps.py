@@ -29,6 +29,7 @@ from gearfem.compliance.body import BodyCompliance
 from gearfem.compliance.record import ComplianceCurve
 from gearfem.compliance.solid_curve import QUICK
 from gearfem.definition.setup import GearPair, Member, Setup
+from gearfem.engagement.carpet import error_carpet
 from gearfem.engagement.engage import engage
 from gearfem.flank import Flanks, Outline, make_flanks
 from gearfem.foundation import Array, InputError
@@ -49,6 +50,7 @@ from gearfem.report import (
     write_render,
     write_report,
     write_stiffness,
+    write_stiffness_pictures,
     write_summary,
     write_vtu,
 )
@@ -155,8 +157,10 @@ def stiffness(setup: Setup, out: Path, steps: int, torques: Sequence[float], pro
         progress("engagement", number, len(wanted))
         engagements.append(engage(results.mesh, angles, torque))
     progress("engagement", len(wanted), len(wanted))
+    carpet = error_carpet(results.mesh, angles, max(wanted), progress)
     lines = [line for one in engagements for line in _numbers(dataclasses.replace(results, engagement=one))]
-    return Done(list(dict.fromkeys(lines)), [write_stiffness(results, out, engagements)])
+    files = [write_stiffness(results, out, engagements), *write_stiffness_pictures(setup, engagements, carpet, out)]
+    return Done(list(dict.fromkeys(lines)), files)
 
 
 def kinematics(setup: Setup, out: Path, steps: int, progress: Progress) -> Done:

@@ -162,12 +162,21 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
 
 def _refuse_overload(mesh: Mesh, torque: float, error: float) -> None:
     """Refuse a torque that bends the teeth so far that small displacements, and the contacts that are followed, end."""
-    limit = REACH / LARGEST_OVERLOAD * mesh.placement.pair.pinion.module
+    limit = _largest_error(mesh)
     if error > limit:
         found = f"{torque:g} N m, which moves the teeth by {error / MM:.4g} mm along the line of action"
         raise InputError(
             "operation.pinion_torque_Nm", found, f"a torque that moves them by at most {limit / MM:.4g} mm, a twentieth of the module"
         )
+
+
+def _largest_error(mesh: Mesh) -> float:
+    return REACH / LARGEST_OVERLOAD * mesh.placement.pair.pinion.module
+
+
+def largest_torque(mesh: Mesh, torque: float, error: float) -> float:
+    """Return a torque [N m] that `engage` takes, from the deflection [m] under another one: it grows less than in proportion."""
+    return torque * _largest_error(mesh) / error
 
 
 def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> tuple[Contacts, Sharing]:

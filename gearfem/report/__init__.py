@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from gearfem.report.plots import write_pictures
     from gearfem.report.render import Rendering, write_render, write_vtu
     from gearfem.report.render_solid import write_solid_render
+    from gearfem.report.stiffness_plots import write_stiffness_pictures
     from gearfem.report.summary import summarise
     from gearfem.report.sweep_table import write_sweep
     from gearfem.report.tables import write_compliance, write_dynamics, write_kinematics, write_stiffness, write_summary
@@ -31,6 +32,7 @@ __all__ = [
     "write_report",
     "write_solid_render",
     "write_stiffness",
+    "write_stiffness_pictures",
     "write_summary",
     "write_sweep",
     "write_sweep_pictures",
@@ -44,6 +46,7 @@ _HOMES = {
     "plots": ("write_pictures",),
     "render": ("Rendering", "write_render", "write_vtu"),
     "render_solid": ("write_solid_render",),
+    "stiffness_plots": ("write_stiffness_pictures",),
     "summary": ("summarise",),
     "body_table": ("write_body",),
     "sweep_table": ("write_sweep",),
