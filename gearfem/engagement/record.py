@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.foundation import Array, Record
@@ -76,6 +77,32 @@ class Contacts(Record):
     def on_flanks(self) -> NDArray[Any]:
         """Whether flanks touch, not a tip round or the edge of an undercut; of unworn teeth the path of contact."""
         return self.reach & (self.edge >= 0.0)
+
+    @property
+    def material_velocity1(self) -> Array:
+        """Velocity of the pinion's point in contact, along the flanks, per unit angular velocity of the pinion [m/rad].
+
+        The footnote's velocities of Wojnarowski & Onishchenko (2003): on worn flanks they differ from the rolling velocities
+        of eq. 12, since the contact moves along the normal too; the sliding is the same.
+        """
+        return self.friction_arm1
+
+    @property
+    def material_velocity2(self) -> Array:
+        """The same of the wheel's point [m/rad]: it turns by l1/l2."""
+        return self.arm1 / self.arm2 * self.friction_arm2
+
+    @property
+    def specific_sliding1(self) -> Array:
+        """Sliding over the velocity of the pinion's own point, ISO 21771; infinite on its base circle."""
+        with np.errstate(divide="ignore"):
+            return self.sliding_velocity / self.material_velocity1
+
+    @property
+    def specific_sliding2(self) -> Array:
+        """The same of the wheel, the sliding being that of the wheel's point against the pinion's."""
+        with np.errstate(divide="ignore"):
+            return -self.sliding_velocity / self.material_velocity2
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -2,46 +2,23 @@
 
 from __future__ import annotations
 
-import functools
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearfem.engagement.candidates import EDGE1, EDGE2, TANGENT, Candidates, find_candidates, taken
 from gearfem.engagement.corners import Touch, rigid_ratio
 from gearfem.flank import Outline
-from gearfem.flank.outline import FLANK, LOADED_END, ROUND, TIP
+from gearfem.flank.outline import FLANK, LOADED_END, ROUND
 from gearfem.foundation import Array, SolveError
 from gearfem.placement import Placement
 
-# Pinion points on flank and round; points over the wheel's round; within a candidate; of the table that ranks them.
-ON_FLANK, ON_ROUND, OVER_ROUND, ZOOMED, RANKED = 193, 49, 65, 17, (1025, 257)
-TANGENT, EDGE1, EDGE2 = 0, 1, 2
 # The equivalent curvature of worn flanks is not taken below this part of that of the involutes.
 FLATTEST = 0.1
 ITERATIONS, SMALLEST_STEP = 100, 1e-12
 # Normals of the flanks in contact differ by no more [rad]; what exceeds it is a corner.
 PARALLEL = 1e-9
-
-
-class Candidates(NamedTuple):
-    """Parts of the pinion's outline that hold one touch each; flat arrays.
-
-    Parameters
-    ----------
-    row : ndarray
-        Number of the angle.
-    low, high, start : ndarray
-        Ends of the part, and where to begin.
-    kind : ndarray
-        `TANGENT`, or the number of the gear whose edge touches (`EDGE1`, `EDGE2`).
-    """
-
-    row: NDArray[np.intp]
-    low: Array
-    high: Array
-    start: Array
-    kind: NDArray[np.intp]
 
 
 class Meeting(NamedTuple):
@@ -115,101 +92,9 @@ def search_contacts(pinion: Outline, wheel: Outline, placement: Placement, angle
     it is lower in truth, the contact is computed too soft by at most ln(0.1/its part) F/(pi E*) on each body.
     """
     axis1 = angle + placement.pinion_start
-    candidates = _candidates(pinion, wheel, placement, axis1)
+    candidates = find_candidates(pinion, wheel, placement.centre_distance, axis1)
     met = _refined(pinion, wheel, placement, axis1, candidates)
     return _touch(pinion, wheel, placement, angle, *_first(candidates, met))
-
-
-# ---- candidates ---------------------------------------------------------------------------------
-
-
-class Ranked(NamedTuple):
-    """Dense points of flank and tip round: parameters, and x, y, radius and polar angle in the tooth's frame."""
-
-    u: Array
-    x: Array
-    y: Array
-    radius: Array
-    polar: Array
-
-
-@functools.lru_cache(maxsize=256)
-def _ranked(outline: Outline, on_flank: int, on_round: int) -> Ranked:
-    u = np.concatenate([np.linspace(FLANK, ROUND, on_flank), np.linspace(ROUND, TIP, on_round)[1:]])
-    x, y = np.moveaxis(outline.point(u), -1, 0)
-    return Ranked(u, x, y, np.hypot(x, y), np.arctan2(y, x))
-
-
-def _standing(wheel: Outline, distance: float, axis1: Array, x: Array, y: Array) -> tuple[Array, Array]:
-    """Return R2 and the angle axis2 that each pinion point asks for, infinite where the wheel has no point; by table."""
-    table = _ranked(wheel, *RANKED)
-    cosine, sine = np.cos(axis1)[:, None], np.sin(axis1)[:, None]
-    across, along = distance - (x * cosine - y * sine), -(x * sine + y * cosine)
-    radius = np.sqrt(across**2 + along**2)
-    axis2 = np.arctan2(along, across) - np.interp(radius, table.radius, table.polar)
-    axis2[(radius < table.radius[0]) | (radius > table.radius[-1])] = np.inf
-    return radius, axis2
-
-
-def _candidates(pinion: Outline, wheel: Outline, placement: Placement, axis1: Array) -> Candidates:
-    """Return all parts of the pinion's outline in which the first touch may lie."""
-    grid, distance = _ranked(pinion, ON_FLANK, ON_ROUND), placement.centre_distance
-    radius, axis2 = _standing(wheel, distance, axis1, grid.x, grid.y)
-    u = np.broadcast_to(grid.u, axis2.shape)
-    # The wheel's round is met within a narrow part of the pinion's outline, which gets points of its own.
-    low, high = np.minimum(radius[:, :-1], radius[:, 1:]), np.maximum(radius[:, :-1], radius[:, 1:])
-    over = (high >= wheel.flank_end_radius) & (low <= wheel.gear.tip_radius)
-    rows = np.flatnonzero(over.any(axis=1))
-    first = np.maximum(np.argmax(over[rows], axis=1) - 1, 0)
-    last = np.minimum(over.shape[1] - np.argmax(over[rows, ::-1], axis=1) + 1, len(grid.u) - 1)
-    fine = np.linspace(grid.u[first], grid.u[last], OVER_ROUND, axis=1)
-    dense = _ranked(pinion, *RANKED)
-    _, fine2 = _standing(wheel, distance, axis1[rows], np.interp(fine, dense.u, dense.x), np.interp(fine, dense.u, dense.y))
-    lowest = axis2.min(axis=1)
-    np.minimum.at(lowest, rows, fine2.min(axis=1))
-    wide, _ = _minima(u, axis2, np.arange(len(axis1)), lowest)
-    narrow, _ = _minima(fine, fine2, rows, lowest)
-    tangent = _joined(wide, narrow)
-    closer = np.linspace(tangent.low, tangent.high, ZOOMED, axis=1)
-    x, y = np.interp(closer, dense.u, dense.x), np.interp(closer, dense.u, dense.y)
-    inner, part = _minima(closer, _standing(wheel, distance, axis1[tangent.row], x, y)[1], tangent.row, lowest)
-    # A part with one minimum keeps its own ends: those of the table's dense points err beside so small differences.
-    several = np.bincount(part, minlength=tangent.row.size)[part] > 1
-    return _joined(tangent, _taken(inner, several), *_edges(pinion, wheel, grid.u, radius))
-
-
-def _joined(*parts: Candidates) -> Candidates:
-    row, low, high, start, kind = (np.concatenate(values) for values in zip(*parts, strict=True))
-    return Candidates(row, low, high, start, kind)
-
-
-def _taken(found: Candidates, which: NDArray[Any]) -> Candidates:
-    return Candidates(found.row[which], found.low[which], found.high[which], found.start[which], found.kind[which])
-
-
-def _minima(u: Array, axis2: Array, rows: NDArray[np.intp], lowest: Array) -> tuple[Candidates, NDArray[np.intp]]:
-    """Return the local minima that may be the least of their angle, if convex between samples, and their rows here."""
-    fence = np.full((len(axis2), 1), np.inf)
-    before, after = np.concatenate([fence, axis2[:, :-1]], axis=1), np.concatenate([axis2[:, 1:], fence], axis=1)
-    row, column = np.nonzero(np.isfinite(axis2) & (axis2 <= before) & (axis2 < after))
-    middle = axis2[row, column]
-    fall = np.maximum(before[row, column] - middle, after[row, column] - middle)
-    keep = middle - fall <= lowest[rows[row]]
-    row, column = row[keep], column[keep]
-    low, high = u[row, np.maximum(column - 1, 0)], u[row, np.minimum(column + 1, u.shape[1] - 1)]
-    return Candidates(rows[row], low, high, u[row, column], np.full(row.size, TANGENT)), row
-
-
-def _edges(pinion: Outline, wheel: Outline, u: Array, radius: Array) -> list[Candidates]:
-    """Return where edges at the form circle meet the mate: the pinion's at the start of its flank, the wheel's at R2 of its own."""
-    found = []
-    if pinion.edged:
-        row, start = np.arange(len(radius)), np.full(len(radius), FLANK)
-        found.append(Candidates(row, start, start, start, np.full(row.size, EDGE1)))
-    if wheel.edged:
-        row, column = np.nonzero((radius[:, :-1] >= wheel.form_radius) & (radius[:, 1:] < wheel.form_radius))
-        found.append(Candidates(row, u[column], u[column + 1], u[column], np.full(row.size, EDGE2)))
-    return found
 
 
 # ---- refinement ---------------------------------------------------------------------------------
@@ -269,7 +154,7 @@ def _first(candidates: Candidates, met: Meeting) -> tuple[Candidates, Meeting]:
     order = order[touching[order]]
     _, first = np.unique(candidates.row[order], return_index=True)
     chosen = order[first]
-    return _taken(candidates, chosen), Meeting(*(values[chosen] for values in met))
+    return taken(candidates, chosen), Meeting(*(values[chosen] for values in met))
 
 
 # ---- what follows -------------------------------------------------------------------------------

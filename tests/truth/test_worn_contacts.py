@@ -134,7 +134,7 @@ def test_rolling_is_the_travel_along_the_flanks(setup, flanks, placement) -> Non
     close2 = np.abs(travel2 - here.rolling_velocity2)[steady, 0] < 1e-4 * scale
     assert close1.mean() > 0.97
     assert close2.mean() > 0.97
-    material = here.friction_arm1 - here.arm1 / here.arm2 * here.friction_arm2
+    material = here.material_velocity1 - here.material_velocity2
     assert material[here.reach] == pytest.approx(here.sliding_velocity[here.reach], abs=1e-12 * scale)
 
 
@@ -276,3 +276,14 @@ def test_lag_under_a_small_torque_is_the_smallest_gap(coal_combine) -> None:
     assert light.transmission_error == pytest.approx(first, abs=1e-10)
     assert (heavy.transmission_error > first + 1e-6).all()
     assert (heavy.force * heavy.contacts.arm1).sum(axis=1) == pytest.approx(1605.0, rel=1e-10, abs=0.0)
+
+
+def test_specific_sliding_of_involutes(coal_combine) -> None:
+    """1 - s2/(i s1) with the roll lengths s of both involutes, ISO 21771; equal and opposite signs about the pitch point."""
+    pair = coal_combine.pair
+    angle = np.linspace(-0.3, 0.3, 13) * pair.pinion.pitch_angle
+    contacts = find_contacts(make_flanks(coal_combine), make_placement(coal_combine), angle, (0,))
+    slope = math.tan(pair.working_pressure_angle)
+    roll1, roll2 = pair.pinion.base_radius * (slope + angle), pair.wheel.base_radius * slope - pair.pinion.base_radius * angle
+    assert contacts.specific_sliding1[:, 0] == pytest.approx(1.0 - roll2 / (pair.ratio * roll1), rel=1e-10, abs=1e-12)
+    assert contacts.specific_sliding2[:, 0] == pytest.approx(1.0 - pair.ratio * roll1 / roll2, rel=1e-10, abs=1e-12)
