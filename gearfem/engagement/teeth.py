@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from gearfem.compliance.record import Compliance, ToothCompliance
+from gearfem.definition.setup import Member
 from gearfem.engagement.record import Contacts
 from gearfem.flank.outline import ROUND
 from gearfem.foundation import Array, Record, SolveError
@@ -56,28 +57,37 @@ def read_compliance(compliance: Compliance, contacts: Contacts) -> PairComplianc
     The next pinion tooth follows behind the loaded flank (offset -1 in the tables), the next wheel tooth on
     its side (offset +1): the pinion's working flank leads its tooth, the wheel's trails it.
     """
-    linear1, depth1 = _read(compliance.pinion, contacts.u1, contacts, sense=-1)
-    linear2, depth2 = _read(compliance.wheel, contacts.u2, contacts, sense=+1)
+    linear1, depth1 = _read(compliance, "pinion", contacts.u1, contacts, sense=-1)
+    linear2, depth2 = _read(compliance, "wheel", contacts.u2, contacts, sense=+1)
     return PairCompliance(linear=linear1 + linear2, depth1=depth1, depth2=depth2)
 
 
-def _read(table: ToothCompliance, u: Array, contacts: Contacts, sense: int) -> tuple[Array, Array]:
-    weights = _weights(table.u, u)
-    count = len(contacts.pairs)
-    linear = np.zeros((*u.shape, count))
-    own = weights @ table.deflection
-    for j in range(count):
-        linear[:, j, j] = own[:, j]
-        for k in range(count):
+def _read(compliance: Compliance, member: Member, u: Array, contacts: Contacts, sense: int) -> tuple[Array, Array]:
+    usual, odd = compliance.of(member), compliance.odd(member)
+    tables = [odd.get(pair % usual.outline.gear.teeth, usual) for pair in contacts.pairs]
+    weights = _weights(usual.u, u)
+    linear = np.zeros((*u.shape, len(tables)))
+    for j, own in enumerate(tables):
+        linear[:, j, j] = weights[:, j] @ own.deflection
+        for k, loaded in enumerate(tables):
             both = contacts.reach[:, j] & contacts.reach[:, k]
             if j == k or not both.any():
                 continue
             offset = sense * (contacts.pairs[j] - contacts.pairs[k])
-            if offset not in table.offsets:
+            if offset not in usual.offsets:
                 raise SolveError(f"the compliance tables do not couple teeth {abs(offset)} pitches apart, which touch at one time")
-            coupling = table.coupling[table.offsets.index(offset)]
+            coupling = _coupling(usual, loaded, offset)
+            if own is not usual:
+                # Reciprocity: what an odd tooth sees of its neighbour is what the neighbour sees of it.
+                coupling = coupling + (_coupling(usual, own, -offset) - _coupling(usual, usual, -offset)).T
             linear[:, j, k] = np.einsum("ai,ij,aj->a", weights[:, j], coupling, weights[:, k])
-    return linear, weights @ table.local_depth
+    return linear, np.stack([weights[:, j] @ own.local_depth for j, own in enumerate(tables)], axis=-1)
+
+
+def _coupling(usual: ToothCompliance, loaded: ToothCompliance, offset: int) -> Array:
+    """Return what a neighbour sees of a loaded tooth, shape (n, n)."""
+    table: Array = loaded.coupling[usual.offsets.index(offset)]
+    return table
 
 
 def _weights(nodes: Array, u: Array) -> NDArray[np.float64]:
