@@ -20,6 +20,8 @@ MOST_FRAGMENTS = 8
 PLACES, FINER = 32, 9
 # A breakpoint is the best of many places, so it must gain more than chance gives one model: this many standard errors.
 GAIN = 2.0
+# Less than a nanometre is below every instrument and the rounding of files: no breakpoint and no outlier is sought there.
+NEGLIGIBLE = 1e-9
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -111,7 +113,7 @@ def choose(x: Array, y: Array) -> Fit:
     """
     ends = np.array([x[0], x[-1]])
     best = _with_degrees(x, y, ends, ())
-    while len(best.curve.coefficients) < MOST_FRAGMENTS:
+    while len(best.curve.coefficients) < MOST_FRAGMENTS and best.std > NEGLIGIBLE:
         further = _split(x, y, best)
         if further is None or not _gains(best, further):
             break

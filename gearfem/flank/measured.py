@@ -22,7 +22,12 @@ from gearfem.foundation.units import MM, UM
 FALSE_ALARM = 0.01
 # Residuals of the first, robust fit beyond so many of its standard deviations are left out until they prove themselves.
 GROSS = 6.0
+MOST_KEPT = 0.75
+# Less than the roughness of a ground flank and the repeatability of the finest machines is no outlier.
+SMALLEST_OUTLIER = 1e-6
 ROUNDS = 20
+# A point that stands out of its neighbours by less than this share of its residual belongs to a feature that the curve misses.
+ALIKE = 0.25
 # Beyond the points the slope of the fit runs out over this share of their length.
 RUN_OUT = 0.05
 NORMAL_MAD = 1.4826
@@ -119,10 +124,15 @@ def fit_flank(points: MeasuredFlank, gear: Gear) -> FittedFlank:
     Fragments, degrees 4 to 6 and breakpoints: `gearfem.flank.fragments.choose`. Outliers: a robust fit (one fragment of
     degree 6, Huber's weights, scale from the median) leaves out gross ones; then every point is tested against the curve
     fitted without it, t = e/(s sqrt(1 - h)) for a point left in and e/(s sqrt(1 + h)) for one left out, at 1 % per flank
-    (Student's t, Bonferroni), and the fit is repeated until the same points stay in. The noise may be of any size: it is
-    estimated from the points and assumed equal and independent; where neighbours err alike (digitised pictures), the
-    curve follows their common error, and the standard deviation holds only what is left. Beyond the points the end
-    slope m runs out parabolically over a twentieth of their length L, m (x - x^2/(0.1 L)), then the deviation is constant.
+    (Student's t, Bonferroni), and the fit is repeated until the same points stay in. A point that strays as its neighbours
+    do shows what the curve misses and is no outlier: one that stands out of the middle two of its four neighbours by less
+    than half that limit, or than a quarter of its residual; so is one within 1 um. A feature of one or two points cannot be
+    told from outliers and is named as such.
+
+    The noise may be of any size: it is estimated from the points and assumed equal and independent. Where neighbours err
+    alike (digitised pictures), the curve follows their common error, and the standard deviation holds only what is left.
+    Beyond the points the end slope m runs out parabolically over a twentieth of their length L, m (x - x^2/(0.1 L)), then the
+    deviation is constant.
     """
     outline = Outline(gear=gear)
     order = np.argsort(points.roll, kind="stable")
@@ -163,48 +173,54 @@ def _refuse_few(points: MeasuredFlank, number: int, where: str, outline: Outline
 def _kept(points: MeasuredFlank, outline: Outline, roll: Array, depth: Array) -> tuple[NDArray[np.bool_], Fit]:
     """Return which points are no outliers, and the fit to them."""
     kept = _without_gross(roll, depth)
-    _refuse_few(points, int(kept.sum()), "left by outliers", outline)
     for _ in range(ROUNDS):
         found = choose(roll[kept], depth[kept])
         wanted = _follows(found, roll, depth, kept)
         _refuse_few(points, int(wanted.sum()), "left by outliers", outline)
         if (wanted == kept).all():
-            break
+            return kept, found
         kept = wanted
-    else:
-        # The last two rounds disagree about a point at the limit: it counts as an outlier.
-        kept = kept & wanted
-        found = choose(roll[kept], depth[kept])
-    return kept, found
+    # The last two rounds disagree about a point at the limit: it counts as an outlier.
+    kept = kept & _follows(found, roll, depth, kept)
+    _refuse_few(points, int(kept.sum()), "left by outliers", outline)
+    return kept, choose(roll[kept], depth[kept])
 
 
 def _without_gross(roll: Array, depth: Array) -> NDArray[np.bool_]:
     """Return the points near a robust polynomial, which may be too stiff: its misfit widens the scale."""
     ends, weight = roll[[0, -1]], np.ones(roll.size)
-    degree = min(DEGREES[-1], roll.size - 4)
-    polynomial = np.polynomial.Legendre
+    degree = min(DEGREES[-1], roll.size // 3)
     for _ in range(50):
-        found = polynomial.fit(roll, depth, degree, domain=ends.tolist(), w=np.sqrt(weight))
+        found = np.polynomial.Legendre.fit(roll, depth, degree, domain=ends.tolist(), w=np.sqrt(weight))
         away = np.abs(depth - found(roll))
-        # Of a polynomial through points on a curve without any noise rounding is left, and nothing is gross beside it.
-        scale = max(NORMAL_MAD * float(np.median(away)), 1e-12 * float(np.ptp(roll)))
+        spread = float(np.median(away)) * np.sqrt(roll.size / (roll.size - degree - 1))
+        scale = max(NORMAL_MAD * spread, SMALLEST_OUTLIER / GROSS)
         weight = np.minimum(1.0, 1.345 * scale / np.maximum(away, scale))
-    return np.asarray(away <= GROSS * scale)
+    near = away <= GROSS * scale
+    # Where this polynomial leaves out so many, it is the polynomial that is wrong.
+    return np.asarray(near if near.mean() > MOST_KEPT and near.sum() >= FEWEST else np.ones_like(near))
 
 
 def _follows(found: Fit, roll: Array, depth: Array, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Say which points agree with the curve fitted without them."""
+    """Say which points agree with the curve fitted without them, or stray from it together with their neighbours."""
     away = depth - found.curve.at(roll)
-    leverage = found.leverage_at(roll)
+    leverage = np.where(kept, np.minimum(found.leverage_at(roll), 1.0 - 1e-6), found.leverage_at(roll))
     free = max(int(kept.sum()) - found.fitted - 1, 1)
     limit = student.isf(0.5 * FALSE_ALARM / roll.size, free)
     square = found.std**2 * (free + 1)
     # Deletion residuals: without point i the sum of squares falls by e_i^2/(1 - h_i).
     left = np.where(kept, (square - away**2 / (1.0 - np.where(kept, leverage, 0.0))) / free, found.std**2)
     width = np.where(kept, 1.0 - leverage, 1.0 + leverage)
-    # Without noise the sums of squares are rounding, which is not tested.
-    floor = (1e-12 * np.ptp(roll)) ** 2
-    return np.asarray(away**2 <= limit**2 * np.maximum(left, floor) * width)
+    farthest = np.maximum(limit * np.sqrt(np.maximum(left, 0.0) * width), SMALLEST_OUTLIER)
+    return np.asarray((np.abs(away) <= farthest) | (_apart(away) <= np.maximum(0.5 * farthest, ALIKE * np.abs(away))))
+
+
+def _apart(values: Array) -> Array:
+    """Return how far each value stands out of the middle two of the four around it, or nearest to it at an end."""
+    around = np.arange(values.size)[:, None] + np.array([-2, -1, 1, 2])
+    around = np.where(around < 0, around + 5, np.where(around >= values.size, around - 5, around))
+    low, high = np.sort(values[around], axis=1)[:, 1:3].T
+    return np.asarray(np.maximum(np.maximum(values - high, low - values), 0.0))
 
 
 def _spline(curve: Fragments, gear: Gear) -> tuple[Deviation, float]:

@@ -140,3 +140,30 @@ def test_too_few_points_on_the_flank_are_refused(gear):
     roll = np.concatenate([places(gear, 7), np.full(20, 1e-3)])
     with pytest.raises(InputError, match="7 points on the flank"):
         fit_flank(measured(roll, np.zeros(27)), gear)
+
+
+FEATURES = {
+    "tip relief": (lambda roll, end: 20e-6 * (np.maximum(roll - end + 2e-3, 0.0) / 2e-3) ** 2, 0.6e-6),
+    "straight tip relief": (lambda roll, end: 20e-6 * np.maximum(roll - end + 3e-3, 0.0) / 3e-3, 1.2e-6),
+    "hollow": (lambda roll, end: 15e-6 * (1.0 + np.cos(np.pi * np.clip((roll - 30e-3) / 1.5e-3, -1.0, 1.0))), 1.0e-6),
+}
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_features_without_noise_are_no_outliers(feature, gear):
+    shape, bound = FEATURES[feature]
+    roll = places(gear, 300)
+    one = fit_flank(measured(roll, shape(roll, roll[-1])), gear)
+    assert one.outliers == ()
+    # Edges of the features are sharper than joined sextics; the bound is what they leave, some per cent of the feature.
+    assert np.abs(one.deviation.at(roll) - shape(roll, roll[-1])).max() < bound
+
+
+def test_few_noisy_points_keep_a_curve(gear):
+    rng = np.random.default_rng(1)
+    for number in (8, 12):
+        roll = places(gear, number)
+        for _ in range(10):
+            one = fit_flank(measured(roll, wear(roll) + 50e-6 * rng.standard_normal(number)), gear)
+            assert len(one.outliers) <= 1
+            assert len(one.curve.degrees) == 1
