@@ -178,7 +178,9 @@ def _body(outline: Outline, u: Array, normal: Array, sharp: NDArray[np.bool_]) -
     inside = u <= LOADED_END
     if outline.edged:
         turn = normal - outline.flank_direction(outline.flank_start)
-        below = np.where(sharp, -turn * gear.tip_edge_radius, outline.edge_distance(FLANK) - edge)
+        # Off the slight edge that wear may leave there, the flank goes on into its fillet.
+        above = outline.edge_distance(FLANK) - edge if outline.undercut else np.inf
+        below = np.where(sharp, -turn * gear.tip_edge_radius, above)
         edge = np.where(u <= ROUND, np.minimum(edge, below), edge)
         inside &= ~sharp | ((turn >= 0.0) & (turn <= outline.undercut_turn))
     return _Body(

@@ -81,6 +81,9 @@ class Outline(Record):
         unworn_end, unworn_angle = Involute(gear=gear).end(0.0)
         if unworn_end <= self._cut.end[1] or unworn_angle <= 0.0:
             raise no_round(gear)
+        if self.deviation is not None and self.worn and self.deviation.roll[0] > self.flank_start:
+            found = f"a deviation from {self.deviation.roll[0] / MM:.4g} mm of roll length on"
+            raise InputError("deviation", found, f"one that covers the flank, from {self.flank_start / MM:.4g} mm on")
         if self._round_angle <= 0.0:
             found = f"a depth of {float(self.deviation.at(self.flank_end)) / MM:.4g} mm at the tip" if self.deviation else "a depth"
             raise InputError("deviation", found, "a depth that leaves this side of the tooth a land: the tip gets pointed")

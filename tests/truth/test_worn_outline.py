@@ -113,3 +113,9 @@ def test_impossible_depths_are_refused(gear_factory, depth, message) -> None:
     with pytest.raises(InputError, match=message) as refusal:
         Outline(gear=gear, deviation=Deviation.none(gear).plus(lambda roll: gear.module * depth(roll / tip)))
     assert refusal.value.where == "deviation"
+
+
+def test_deviations_that_begin_above_the_flank_are_refused(gear_factory) -> None:
+    gear = gear_factory(30, 2e-3, 32e-3)
+    with pytest.raises(InputError, match="covers the flank"):
+        Outline(gear=gear, deviation=Deviation(roll=np.linspace(8e-3, 14e-3, 50), depth=np.linspace(0.0, 20e-6, 50)))
