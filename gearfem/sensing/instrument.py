@@ -59,30 +59,34 @@ class Instrument(Record):
         """Return the reading of a series taken slowly, where neither delay nor resonance has time to show."""
         return self.gain * value
 
-    def read_periodic(self, value: Array, period: float) -> Array:
-        """Return the reading of a motion that repeats.
+    @property
+    def settling(self) -> float:
+        """Time [s] after which the resonances have forgotten how they started, to 1e-4."""
+        decays = (2.0 * math.pi * resonance.frequency * min(resonance.ratio, 1.0 / resonance.ratio) for resonance in self.resonances)
+        return math.log(1e4) / min(decays) if self.resonances else 0.0
+
+    def ringing(self, value: Array, step: float) -> Array:
+        """Return what the resonances add to a series.
 
         Parameters
         ----------
         value : ndarray, shape (n,)
-            Equal steps over one period, its end excluded.
-        period : float
-            Its length in time [s].
+            True values at equal steps of time; they count as repeating, so that the first `settling` of the result is to be left out.
+        step : float
+            [s].
 
         Returns
         -------
         ndarray, shape (n,)
-            The steady reading at the same times.
+            Reading less true value at the same times, gain and delay left out; exactly 0 for rigid mounts.
 
         Notes
         -----
-        Each line of the spectrum is multiplied by gain x response x exp(-2 pi i f delay): exact for a motion without lines
-        above half the sampling rate. The line at that rate has no phase and keeps its real part.
+        Each line of the spectrum is multiplied by the response less 1, exact for motions without lines above half the sampling
+        rate.
         """
-        if self.delay == 0.0 and not self.resonances:
-            return self.gain * value
-        frequency: Array = np.fft.rfftfreq(len(value), period / len(value)).astype(float)
-        response = np.exp(-2j * np.pi * frequency * self.delay)
+        frequency: Array = np.fft.rfftfreq(len(value), step).astype(float)
+        response = np.ones(len(frequency), complex)
         for resonance in self.resonances:
             response = response * resonance.response(frequency)
-        return self.gain * np.fft.irfft(np.fft.rfft(value) * response, len(value))
+        return np.asarray(np.fft.irfft(np.fft.rfft(value) * (response - 1.0), len(value)))

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
+import os
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 
 from gearfem.definition.setup import Member
-from gearfem.engagement.turns import StaticTurns, Turns, common_gap, static
+from gearfem.dynamics.turns import KW_ANGLES
 from gearfem.foundation import Array, Record
+from gearfem.placement import runout_gap
+from gearfem.sensing.motion import at_speed, slowly
 from gearfem.sensing.system import System
 
 
@@ -49,35 +54,6 @@ class Request(Record):
         raise NotImplementedError
 
 
-def slowly(system: System, angle: Array, stated_torque: float) -> StaticTurns:
-    """Return the slow engagement at the angles of a record.
-
-    Parameters
-    ----------
-    system : System
-        The gears.
-    angle : ndarray, shape (n,)
-        Pinion angles of the record [rad].
-    stated_torque : float
-        Torque that the record states [N m].
-
-    Returns
-    -------
-    StaticTurns
-
-    Notes
-    -----
-    A ripple of the wheel's braking torque reaches the pinion times z1/z2. The gears turn forward, so that friction acts.
-    """
-    turned = angle + system.setup.calibration.angle_offset
-    share = 1.0 / system.setup.pair.ratio
-    torque = np.full(len(turned), system.torque(stated_torque))
-    for ripple in system.drive.ripples:
-        seen = 1.0 if ripple.member == "pinion" else share
-        torque = torque + seen * ripple.amplitude * np.cos(ripple.order * seen * turned + ripple.phase)
-    return static(Turns(mesh=system.mesh), turned, torque, system.drive.friction_coefficient)
-
-
 class StaticError(Request):
     """Transmission error of the slowly turning gears [m] over the pinion angle."""
 
@@ -87,6 +63,47 @@ class StaticError(Request):
         """Return the wheel's lag along the line of action [m]."""
         error = slowly(system, self.axis, self.pinion_torque).transmission_error
         return system.instrument.read_slow(error) + system.setup.calibration.offset(self.file)
+
+
+class DynamicError(Request):
+    """Transmission error of the gears at speed [m] over the pinion angle."""
+
+    quantity = "dynamic_transmission_error"
+
+    def of(self, system: System) -> Array:
+        """Return the wheel's lag along the line of action [m]."""
+        error = at_speed(system, "transmission_error", self.axis, self.pinion_torque, self.pinion_speed)
+        return error + system.setup.calibration.offset(self.file)
+
+
+class Acceleration(Request):
+    """Angular acceleration of the pinion [rad/s2] over its angle."""
+
+    quantity = "pinion_angular_acceleration"
+
+    def of(self, system: System) -> Array:
+        """Return psi1'' [rad/s2]."""
+        return at_speed(system, "pinion_acceleration", self.axis, self.pinion_torque, self.pinion_speed)
+
+
+class DynamicFactor(Request):
+    """Largest Kw = 1 - J1 psi1''/T1 over one turn of the pinion, at each speed of the axis, from the acceleration as it is read."""
+
+    quantity = "dynamic_factor"
+
+    def of(self, system: System) -> Array:
+        """Return the largest dynamic factors."""
+        count = system.setup.pair.pinion.teeth * KW_ANGLES
+        angle = np.arange(count) / count * math.tau
+        share = system.drive.pinion_inertia / system.torque(self.pinion_torque)
+
+        def largest(speed: float) -> float:
+            return float((1.0 - share * at_speed(system, "pinion_acceleration", angle, self.pinion_torque, speed)).max())
+
+        # The first one makes the tables, which threads would make twice.
+        first = [largest(float(speed)) for speed in self.axis[:1]]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return np.array([*first, *pool.map(largest, self.axis[1:].tolist())])
 
 
 class MeshStiffness(Request):
@@ -133,7 +150,7 @@ class PitchDeviation(Request):
         none = {"wheel_runout": (0.0, 0.0)} if self.gear == "pinion" else {"pinion_runout": (0.0, 0.0)}
         placement = dataclasses.replace(system.placement, **none)  # type: ignore[arg-type]
         late = placement.pinion_late if self.gear == "pinion" else placement.wheel_late
-        gap = common_gap(placement, self.axis * placement.pair.pinion.pitch_angle)
+        gap, _ = runout_gap(placement, self.axis * placement.pair.pinion.pitch_angle)
         number = np.round(self.axis).astype(int) % len(late)
         return np.asarray(late[number] + gap + system.setup.calibration.offset(self.file))
 

@@ -1,0 +1,89 @@
+"""What the gears do under the instruments, slowly and at speed, at the angles of a record."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from gearfem.dynamics.turns import march_turns, slow_torque
+from gearfem.engagement.turns import StaticTurns, Turns, static
+from gearfem.foundation import Array
+from gearfem.sensing.system import System
+
+Channel = Literal["transmission_error", "pinion_acceleration"]
+
+# Angles to the pitch at which a resonance follows a motion, which is stepped 64 times to the pitch or more.
+RINGING_ANGLES = 128
+# Slower resonances are excited from these pitches before the record on.
+MOST_PITCHES = 2000
+
+
+def slowly(system: System, angle: Array, stated_torque: float) -> StaticTurns:
+    """Return the slow engagement at the angles of a record.
+
+    Parameters
+    ----------
+    system : System
+        The gears.
+    angle : ndarray, shape (n,)
+        Pinion angles of the record [rad].
+    stated_torque : float
+        Torque that the record states [N m].
+
+    Returns
+    -------
+    StaticTurns
+
+    Notes
+    -----
+    A ripple of the wheel's braking torque reaches the pinion times z1/z2. The gears turn forward, so that friction acts.
+    """
+    turned = angle + system.setup.calibration.angle_offset
+    torque = slow_torque(system.drive, system.torque(stated_torque), turned, system.setup.pair.ratio)
+    return static(Turns(mesh=system.mesh), turned, torque, system.drive.friction_coefficient)
+
+
+def at_speed(system: System, channel: Channel, angle: Array, stated_torque: float, speed: float) -> Array:
+    """Return the reading of a motion at speed at the angles of a record.
+
+    Parameters
+    ----------
+    system : System
+        The gears, their drive and the instrument.
+    channel : {"transmission_error", "pinion_acceleration"}
+        What is read.
+    angle : ndarray, shape (n,)
+        Pinion angles of the record [rad], which come from an encoder without delay.
+    stated_torque, speed : float
+        As the record states them [N m], [rad/s].
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [m] or [rad/s2].
+
+    Notes
+    -----
+    A reading that comes late by tau shows at the angle phi what happened at phi - omega tau. What resonances add is followed on
+    equal steps from their settling time before the record on, and read off by a cubic spline.
+    """
+    turns, instrument = Turns(mesh=system.mesh), system.instrument
+    torque = system.torque(stated_torque)
+    turned = angle + system.setup.calibration.angle_offset - speed * instrument.delay
+
+    def motion(places: Array) -> Array:
+        values: Array = getattr(march_turns(turns, system.drive, places, speed=speed, torque=torque), channel)
+        return values
+
+    value = motion(turned)
+    if instrument.resonances:
+        pitch = system.setup.pair.pinion.pitch_angle
+        before = min(math.ceil(speed * instrument.settling / pitch), MOST_PITCHES) + 1
+        first, last = math.floor(turned.min() / pitch) - before, math.ceil(turned.max() / pitch) + 1
+        grid = np.arange(first * RINGING_ANGLES, last * RINGING_ANGLES) / RINGING_ANGLES * pitch
+        added = instrument.ringing(motion(grid), pitch / RINGING_ANGLES / speed)
+        value = value + CubicSpline(grid, added)(turned)
+    return instrument.gain * value
