@@ -128,10 +128,17 @@ def compliance(
 @_steps
 @click.option("--torque", "torques", type=float, multiple=True, metavar="NM", help="Torque on the pinion in N m; may be repeated.")
 def stiffness(model: str, out: str, overrides: tuple[str, ...], steps: int, torques: tuple[float, ...]) -> None:
-    """Write mesh_stiffness.csv: stiffness, transmission error and load shares over the pinion angle.
+    """Write mesh_stiffness.csv: stiffness, transmission error, load shares and contact pressures over the pinion angle.
+
+    With mesh_stiffness.png, stiffness of each torque with the zones of one, two and more pairs, and approach and recess of each
+    pair at the first torque; and transmission_error_carpet.png, the transmission error over the angle from no torque to half
+    as much again as the largest.
+
+    Where the flanks of the model are not parallel over the face width: the face load factor K_Hbeta too, and
+    load_over_width.png at the first torque. Solid elements of both gears then take up to a minute.
 
     \b
-    Units: N/um over the whole face width, um along the line of action, rad, N m.
+    Units: N/um over the whole face width, um along the line of action, MPa, rad, N m.
     Example:
       gearfem stiffness model.toml --out results --torque 400 --torque 1605
     """
@@ -271,3 +278,47 @@ def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str |
         folder(str(Path(path).parent))
     setup = _load(model, overrides)
     steps.say(meshes.write(setup, targets, support, dim, resolution))
+
+
+@main.command(short_help="A campaign measured on a virtual rig.")
+@_model_command
+@click.option("--plan", required=True, metavar="FILE", help="What is measured, by which instruments, under which seed; see below.")
+def measure(model: str, out: str, overrides: tuple[str, ...], plan: str) -> None:
+    """Measure MODEL, with all its effects, on a virtual rig: campaign.toml and its records, for planning tests and for teaching.
+
+    With nominal.toml, the model without its effects, calibration and measured flanks, and truth.json, what the rig knows. It measures
+    what this program computes: a diagnosis that succeeds on it has yet to succeed on a real pair.
+
+    A plan holds name, seed, angle_zero ("unknown" or "pitch_point"), [scatter] (index_error_um, torque_scale), [instrument] and any
+    number of [[record]]. An instrument has noise_std, coloured_noise_std with coloured_noise_samples, resolution,
+    drift_per_turn, constant, gain, delay_s, resonance_Hz and resonance_ratio; a record may give each of them for itself, beside
+    file, quantity, pinion_torque_Nm, pinion_speed_rpm (or pinion_speeds_rpm), gear, tooth, tooth_zero, role, turns, samples_per_turn
+    and points.
+
+    \b
+    Units: those that end the names of keys; of an instrument those of the measured column.
+    Example:
+      gearfem measure model.toml --plan plan.toml --out campaign
+    \b
+    plan.toml:
+      name = "rig 7, planned"
+      seed = 7
+      [scatter]
+      index_error_um = 0.7
+      [instrument]
+      noise_std = 0.3
+      resolution = 0.05
+      [[record]]
+      file = "te_150Nm.csv"
+      quantity = "static_transmission_error"
+      pinion_torque_Nm = 150.0
+      turns = 3.0
+      samples_per_turn = 720
+    """
+    from gearfem.cli import measuring, steps
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    with Bars() as progress:
+        done = measuring.run_plan(setup, model, overrides, plan, target, progress)
+    steps.say(done)

@@ -23,6 +23,7 @@ LINE = (
     "model",
     "pipeline",
     "diagnosis",
+    "rig",
     "report",
     "cli",
     "__main__",
