@@ -17,7 +17,8 @@ from gearfem.diagnosis.whitening import Whitener, make_whitener
 from gearfem.foundation import Array, Record
 
 Basis = Literal["repeats", "roughness", "stated", "assumed"]
-LAGS = 12
+# Instruments colour their noise by a filter or two; more lags than that describe something else.
+LAGS = 4
 # Differences of turns that are fewer say less than the roughness of the whole record.
 FEWEST = 120
 BLOCK = 24
@@ -207,14 +208,17 @@ def _covariance(difference: Array, copies: int) -> tuple[Array, float]:
         return np.zeros(1), float(len(difference))
     rng = np.random.default_rng(1)
     white = rng.standard_normal((TRIALS, len(difference) + 8 * LAGS))
-    share, covariance = 1.0, raw
-    for _ in range(2):
-        covariance = raw / (copies * share)
-        covariance = covariance[: 1 + _order(covariance, len(difference))]
+    covariance = raw[: 1 + _order(raw, len(difference))] / copies
+    raw = raw[: len(covariance)]
+    for _ in range(3):
         model = make_whitener(covariance, np.ones(1, bool))
-        taps = np.concatenate([[1.0], -model.predictor[-1]]) if len(covariance) > 1 else np.ones(1)
+        taps = np.concatenate([[1.0], -model.predictor[-1]])
         noise = model.deviation[-1] * lfilter([1.0], taps, white, axis=1)[:, 8 * LAGS :]
-        share = float(np.mean([_quiet_half(one)[0] for one in noise])) / float(covariance[0])
+        seen = np.mean([_quiet_half(one)[: len(raw)] for one in noise], axis=0)
+        better = covariance * raw / (copies * seen)
+        if not _possible(better):
+            break
+        covariance = better
     return covariance, 0.5 * len(difference)
 
 
@@ -229,17 +233,21 @@ def _quiet_half(series: Array) -> Array:
 
 def _order(covariance: Array, count: int) -> int:
     """Return the order of the autoregression that describes a covariance, by Schwarz' criterion."""
-    best, order = math.inf, 0
-    for k in range(len(covariance)):
-        try:
-            deviation = float(make_whitener(covariance[: k + 1], np.ones(1, bool)).deviation[-1])
-        except ValueError:
-            break
-        # Half of the differences count, and each holds samples that others hold too.
-        score = count / 4.0 * 2.0 * math.log(deviation) + k * math.log(count)
-        if score < best:
-            best, order = score, k
-    return order
+    orders = [k for k in range(len(covariance)) if _possible(covariance[: k + 1])]
+    # Half of the differences count, and each holds samples that others hold too.
+    return min(orders, key=lambda k: 0.5 * count * _innovation(covariance[: k + 1]) + k * math.log(count))
+
+
+def _innovation(covariance: Array) -> float:
+    """Return the logarithm of the standard deviation of the innovation."""
+    return math.log(float(make_whitener(covariance, np.ones(1, bool)).deviation[-1]))
+
+
+def _possible(covariance: Array) -> bool:
+    """Whether there is a process of this covariance."""
+    order = len(covariance)
+    matrix = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
+    return bool(np.linalg.eigvalsh(matrix)[0] > 1e-3 * covariance[0])
 
 
 def _roughness(value: Array) -> tuple[Array, float]:

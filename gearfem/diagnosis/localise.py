@@ -1,0 +1,375 @@
+"""Where the gap is: maps of what nuisances leave over mesh phase, order, tooth and frequency, and one test of whether there is a gap."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+
+from gearfem.definition.setup import GearPair
+from gearfem.diagnosis.compare import Compared, Comparison
+from gearfem.diagnosis.zones import PHASES, WORDS, ZONES, in_zones, leading_teeth, order_lines, phase_cells
+from gearfem.foundation import Array, Record
+from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.units import RPM
+
+Domain = Literal["mesh_phase", "order", "tooth", "frequency"]
+DRAWS = 300
+CHANCE = 0.01
+HARMONICS = 8.0
+BANDS = 24
+FEWEST = 12
+NAMED = 3
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Map(Record):
+    """Power of the whitened residual over one domain, in one record; 1 is noise alone.
+
+    Parameters
+    ----------
+    record : str
+        File of the record; "speeds" for the map of fixed frequencies over all of them.
+    domain : {"mesh_phase", "order", "tooth", "frequency"}
+        What it is over.
+    part : str
+        "zones" or "cells" of the mesh phase, "pinion" or "wheel" teeth; empty otherwise.
+    label : tuple of str, length c
+        Name of each cell.
+    power : ndarray, shape (c,)
+        Mean square of the whitened residual in the cell; of an order, the square of its line over its noise.
+    expected : ndarray, shape (c,)
+        The same in noise, nuisances and model form alone, from draws.
+    significance : ndarray, shape (c,)
+        Root power above the draws' mean, in their deviations.
+    share : ndarray, shape (c,)
+        Share in the record's power above the expected one.
+    """
+
+    record: str
+    domain: Domain
+    part: str
+    label: tuple[str, ...]
+    power: Array
+    expected: Array
+    significance: Array
+    share: Array
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Place(Record):
+    """One line of `where`.
+
+    Parameters
+    ----------
+    record, domain, zone : str
+        As the format of `diagnosis.json` has them.
+    share_of_residual, significance : float
+        Of its cell.
+    sentence : str
+        The same in words.
+    """
+
+    record: str
+    domain: Domain
+    zone: str
+    share_of_residual: float
+    significance: float
+    sentence: str
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Localisation(Record):
+    """Where the gap is.
+
+    Parameters
+    ----------
+    maps : tuple of Map
+        All of them.
+    where : tuple of Place
+        Significant places, the strongest first.
+    largest : float
+        Largest significance of any cell.
+    p_value : float
+        Chance of a cell as large in noise, nuisances and model form alone: share of the draws, at least one over their number.
+    gap : bool
+        Whether that is below 1 %.
+    draws : int
+        Number of draws.
+    sentence : str
+        Answer in words.
+    """
+
+    maps: tuple[Map, ...]
+    where: tuple[Place, ...]
+    largest: float
+    p_value: float
+    gap: bool
+    draws: int
+    sentence: str
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class _Sheet(Record):
+    """Cells of one map before anything is known of their noise; `measure` takes the whitened residual of all records."""
+
+    record: str
+    domain: Domain
+    part: str
+    label: tuple[str, ...]
+    size: Array
+    measure: Callable[[Array], Array]
+
+
+def localise(
+    comparison: Comparison, form: Array | None = None, draws: int = DRAWS, seed: int = 1, progress: Progress = quiet
+) -> Localisation:
+    """Say where nuisances leave more than noise.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of nuisances alone, or with effects put into the model, to see what they leave.
+    form : ndarray, shape (m, f), optional
+        Whitened signatures of errors of our own model, each of one standard deviation; drawn with the noise.
+    draws : int
+        Draws of noise, nuisances and model form, each fitted as the data were.
+    seed : int
+        Of the draws.
+    progress : Progress
+        Told how many draws are done.
+
+    Returns
+    -------
+    Localisation
+
+    Notes
+    -----
+    A draw is white noise, plus nuisances and model form from their priors, freed from the nuisances as the data are: cells are
+    compared with what the fit leaves of noise. The global test takes the largest of all cells of all maps, so that their number
+    needs no further correction.
+    """
+    sheets = [sheet for record in comparison.records for sheet in _sheets(record, comparison)]
+    sheets += _frequencies(comparison)
+    data = [_root(sheet, _white(comparison)) for sheet in sheets]
+    rng = np.random.default_rng(seed)
+    elimination = comparison.elimination
+    drawn: list[list[Array]] = [[] for _ in sheets]
+    for number in range(draws):
+        progress("draws of noise", number, draws)
+        noise = rng.standard_normal(len(comparison.residual))
+        # Nuisances drawn from their priors are fitted away but for what their priors hold back.
+        noise += elimination.columns @ rng.standard_normal(elimination.columns.shape[1])
+        if form is not None:
+            noise += form @ rng.standard_normal(form.shape[1])
+        left = elimination.left(noise)
+        for place, sheet in enumerate(sheets):
+            drawn[place].append(_root(sheet, left))
+    progress("draws of noise", draws, draws)
+    maps, peaks = [], np.full(draws, -np.inf)
+    for sheet, own, many in zip(sheets, data, drawn, strict=True):
+        table = np.stack(many)
+        mean, spread = table.mean(axis=0), np.maximum(table.std(axis=0, ddof=1), 1e-12)
+        peaks = np.maximum(peaks, ((table - mean) / spread).max(axis=1))
+        maps.append(_map(sheet, own, mean, spread, (table**2).mean(axis=0)))
+    largest = max(float(one.significance.max()) for one in maps)
+    p_value = (1.0 + float(np.count_nonzero(peaks >= largest))) / (draws + 1.0)
+    gap = p_value < CHANCE
+    limit = float(np.quantile(peaks, 1.0 - CHANCE))
+    where = _ranked(maps, limit) if gap else ()
+    return Localisation(
+        maps=tuple(maps), where=where, largest=largest, p_value=p_value, gap=gap, draws=draws, sentence=_sentence(gap, p_value, where)
+    )
+
+
+def _white(comparison: Comparison) -> Array:
+    return np.concatenate([record.white for record in comparison.records])
+
+
+def _root(sheet: _Sheet, white: Array) -> Array:
+    return np.asarray(np.sqrt(sheet.measure(white)))
+
+
+def _map(sheet: _Sheet, root: Array, mean: Array, spread: Array, expected: Array) -> Map:
+    power = root**2
+    above = np.maximum(power - expected, 0.0) * sheet.size
+    # Zones overlap: their shares are of the last one, which is the whole cycle.
+    whole = above[-1] if sheet.part == "zones" else above.sum()
+    return Map(
+        record=sheet.record,
+        domain=sheet.domain,
+        part=sheet.part,
+        label=sheet.label,
+        power=power,
+        expected=expected,
+        significance=(root - mean) / spread,
+        share=np.minimum(above / whole, 1.0) if whole > 0.0 else np.zeros(len(above)),
+    )
+
+
+# ---- the maps of one record -----------------------------------------------------------------------------
+
+
+def _sheets(record: Compared, comparison: Comparison) -> list[_Sheet]:
+    measurement = record.measurement
+    if measurement.quantity.axis != "angle":
+        return [_whole(record)]
+    pair = comparison.campaign.setup.pair
+    angle = measurement.axis[measurement.keep] + comparison.settings.angle_offset
+    rows = slice(*record.rows)
+    pinion, wheel = leading_teeth(angle, pair)
+    cells = [
+        _zone_sheet(measurement.file, rows, angle, pair),
+        _cell_sheet(
+            measurement.file, rows, "mesh_phase", "cells", phase_cells(angle, pair), tuple(f"{i / PHASES:.4g}" for i in range(PHASES))
+        ),
+        _cell_sheet(measurement.file, rows, "tooth", "pinion", pinion, tuple(f"pinion:{i}" for i in range(pair.pinion.teeth))),
+        _cell_sheet(measurement.file, rows, "tooth", "wheel", wheel, tuple(f"wheel:{i}" for i in range(pair.wheel.teeth))),
+        _order_sheet(measurement.file, rows, angle, pair),
+    ]
+    return [sheet for sheet in cells if sheet.label]
+
+
+def _whole(record: Compared) -> _Sheet:
+    rows = slice(*record.rows)
+    return _Sheet(
+        record=record.measurement.file,
+        domain="mesh_phase",
+        part="zones",
+        label=("all",),
+        size=np.array([float(rows.stop - rows.start)]),
+        measure=lambda white: np.array([np.mean(white[rows] ** 2)]),
+    )
+
+
+def _zone_sheet(file: str, rows: slice, angle: Array, pair: GearPair) -> _Sheet:
+    inside = in_zones(angle, pair)
+    used = np.flatnonzero(inside.sum(axis=0) >= FEWEST)
+    weight = inside[:, used].astype(float)
+    count = weight.sum(axis=0)
+    return _Sheet(
+        record=file,
+        domain="mesh_phase",
+        part="zones",
+        label=tuple(ZONES[i] for i in used),
+        size=count,
+        measure=lambda white: (white[rows] ** 2) @ weight / count,
+    )
+
+
+def _cell_sheet(file: str, rows: slice, domain: Domain, part: str, cell: Array, names: tuple[str, ...]) -> _Sheet:
+    count = np.bincount(cell, minlength=len(names))
+    used = np.flatnonzero(count >= FEWEST)
+    size = count[used].astype(float)
+    return _Sheet(
+        record=file,
+        domain=domain,
+        part=part,
+        label=tuple(names[i] for i in used),
+        size=size,
+        measure=lambda white: np.bincount(cell, white[rows] ** 2, minlength=len(names))[used] / size,
+    )
+
+
+def _order_sheet(file: str, rows: slice, angle: Array, pair: GearPair) -> _Sheet:
+    """Lines of shafts and mesh; neighbours closer than the record resolves are told apart by nothing, and the strongest stands for them."""
+    turns = float(np.ptp(angle)) / (2.0 * math.pi)
+    highest = min(HARMONICS * pair.pinion.teeth, 0.4 * len(angle) / max(turns, 1e-9))
+    lines = [line for line in order_lines(pair, highest) if line[1] * turns > 0.7]
+    waves = np.exp(-1j * np.outer([order for _, order in lines], angle)) * math.sqrt(2.0 / len(angle))
+    return _Sheet(
+        record=file,
+        domain="order",
+        part="",
+        label=tuple(name for name, _ in lines),
+        size=np.ones(len(lines)),
+        measure=lambda white: np.abs(waves @ white[rows]) ** 2 / 2.0,
+    )
+
+
+def _frequencies(comparison: Comparison) -> list[_Sheet]:
+    """Bands of fixed frequency over all records taken at speed: a resonance of sensor or shaft stands still where orders move."""
+    moving = [r for r in comparison.records if r.measurement.quantity.moving and r.measurement.quantity.axis == "angle"]
+    speeds = {round(r.measurement.pinion_speed / RPM, 3) for r in moving}
+    if len(speeds) < 2:
+        return []
+    rates = [r.measurement.pinion_speed / (2.0 * math.pi) for r in moving]
+    highest = min(
+        0.4 * len(r.white) / (float(np.ptp(r.measurement.axis)) / (2.0 * math.pi)) * rate for r, rate in zip(moving, rates, strict=True)
+    )
+    edges = np.geomspace(max(rates), highest, BANDS + 1)
+    spectra = [np.fft.rfftfreq(len(r.white), float(np.ptp(r.measurement.axis)) / len(r.white) / r.measurement.pinion_speed) for r in moving]
+    band = [np.searchsorted(edges, spectrum) - 1 for spectrum in spectra]
+    count = sum(np.bincount(b[(b >= 0) & (b < BANDS)], minlength=BANDS) for b in band)
+
+    def measure(white: Array) -> Array:
+        total = np.zeros(BANDS)
+        for record, cell in zip(moving, band, strict=True):
+            part = white[slice(*record.rows)]
+            power = np.abs(np.fft.rfft(part)) ** 2 / len(part)
+            inside = (cell >= 0) & (cell < BANDS)
+            total += np.bincount(cell[inside], power[inside], minlength=BANDS)
+        return np.asarray(total / np.maximum(count, 1))
+
+    middle = np.sqrt(edges[1:] * edges[:-1])
+    return [
+        _Sheet(
+            record="speeds",
+            domain="frequency",
+            part="",
+            label=tuple(f"{f:.4g}" for f in middle),
+            size=np.asarray(count, float),
+            measure=measure,
+        )
+    ]
+
+
+# ---- in words -------------------------------------------------------------------------------------------
+
+
+def _ranked(maps: list[Map], limit: float) -> tuple[Place, ...]:
+    """Return significant places: of each map the cells that hold most, the most significant of all first."""
+    places = []
+    for one in maps:
+        if one.part == "cells":
+            continue
+        found = np.flatnonzero(one.significance > limit)
+        for cell in found[np.argsort(-_density(one)[found])][:NAMED]:
+            places.append(
+                Place(
+                    record=one.record,
+                    domain=one.domain,
+                    zone=one.label[cell],
+                    share_of_residual=float(one.share[cell]),
+                    significance=float(one.significance[cell]),
+                    sentence=_place_words(one, int(cell)),
+                )
+            )
+    return tuple(sorted(places, key=lambda place: -place.significance))
+
+
+def _density(one: Map) -> Array:
+    """Return what ranks the cells of one map: a zone that is denser than the whole cycle comes before it."""
+    return one.power / one.expected if one.part == "zones" else one.significance
+
+
+def _place_words(one: Map, cell: int) -> str:
+    zone, share = one.label[cell], f"{one.share[cell]:.0%} of what is left"
+    if one.domain == "mesh_phase":
+        return f"{one.record}: {share} lies {WORDS.get(zone, zone)}"
+    if one.domain == "order":
+        return f"{one.record}: {share} of the lines stands at order {zone} of the pinion's turns"
+    if one.domain == "tooth":
+        gear, number = zone.split(":")
+        return f"{one.record}: {share} comes with tooth {number} of the {gear}"
+    return f"at all speeds: {share} lies near {zone} Hz"
+
+
+def _sentence(gap: bool, p_value: float, where: tuple[Place, ...]) -> str:
+    if not gap:
+        return f"No gap: noise, nuisances and the errors of the model leave cells as large in {p_value:.0%} of the draws."
+    first = f" Most of all, in {where[0].sentence}." if where else ""
+    return f"There is a gap: noise, nuisances and the errors of the model leave no cell as large in 1 % of the draws.{first}"

@@ -1,0 +1,206 @@
+"""Nuisances hidden in the records of a pair of springs: found, told from a gap, and the gap located."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from gearfem.definition.setup import GearPair
+from gearfem.diagnosis.bench import Oscillator, Settings, Weights, neutral
+from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.compare import Comparison, compare
+from gearfem.diagnosis.localise import localise
+from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.teeth import Scatter, respond, tooth_columns
+from gearfem.diagnosis.zones import ZONES, in_zones, leading_teeth
+from gearfem.foundation import Array
+from gearfem.model import make_setup
+
+SETUP = make_setup(
+    {
+        "pair": {"module_mm": 3.0, "face_width_mm": 20.0},
+        "pinion": {"teeth": 17},
+        "wheel": {"teeth": 22},
+        "operation": {"pinion_torque_Nm": 100.0, "pinion_speed_rpm": 1000.0},
+    }
+)
+PAIR = SETUP.pair
+PITCH = PAIR.pinion.pitch_angle
+STD = 5e-8
+SCATTER = Scatter(terms=2)
+
+
+class Springs:
+    """Tooth pairs as springs of constant stiffness, with parabolic gaps beyond the path of contact: its own closed-form bench."""
+
+    stiffness = 2e8
+
+    @property
+    def pair(self) -> GearPair:
+        return PAIR
+
+    def shared(self, angle: Array, torque: float, settings: Settings) -> tuple[Array, Weights]:
+        """Return transmission error and weights: the active pairs are the first n by gap, for the n that makes the error least."""
+        place = angle / PITCH
+        number = np.round(place).astype(int)[:, None] + np.arange(-2, 3)
+        path = (place[:, None] - number) * PAIR.base_pitch
+        beyond = np.maximum(path - PAIR.recess_length, 0.0) + np.maximum(-PAIR.approach_length - path, 0.0)
+        gap = 6.0 * beyond**2 + settings.pinion_late[number % 17] + settings.wheel_late[number % 22]
+        order = np.argsort(gap, axis=1)
+        ranked = np.take_along_axis(gap, order, axis=1)
+        own = self.stiffness * settings.stiffness_scale
+        force = torque * settings.torque_scale / PAIR.pinion.base_radius
+        count = np.arange(1, 6)
+        error = (force / own + np.cumsum(ranked, axis=1)) / count
+        best = np.argmin(error, axis=1)
+        active = np.argsort(order, axis=1) <= best[:, None]
+        weight = active / (best[:, None] + 1.0)
+        return error[np.arange(len(angle)), best], Weights(pairs=number, pinion=weight, wheel=weight)
+
+    def predict(self, record: Measurement, settings: Settings) -> Array:
+        return settings.gain * self.shared(record.axis + settings.angle_offset, record.pinion_torque, settings)[0]
+
+    def weights(self, angle: Array, torque: float, settings: Settings) -> Weights:
+        return self.shared(angle, torque, settings)[1]
+
+    def oscillator(self, torque: float, settings: Settings) -> Oscillator:
+        return Oscillator(frequency=5e3, ratio=0.08, acceleration=10.0)
+
+
+def hidden(seed: int) -> Settings:
+    rng = np.random.default_rng(seed)
+    return Settings(
+        pinion_late=rng.normal(0.0, 1e-6, 17),
+        wheel_late=rng.normal(0.0, 1e-6, 22),
+        angle_offset=-0.31 * PITCH,
+        torque_scale=1.008,
+        stiffness_scale=0.94,
+        gain=1.01,
+    )
+
+
+def campaign(seed: int, extra: dict[float, Array] | None = None) -> Campaign:
+    """Return four slow records of the springs with everything wrong that is wrong in every rig."""
+    rng = np.random.default_rng(100 + seed)
+    axis = 0.02 + np.arange(1400) * 4.1 * math.pi / 1400.0
+    records = []
+    for torque, role in ((10.0, "fit"), (60.0, "fit"), (150.0, "fit"), (100.0, "holdout")):
+        record = Measurement(
+            file=f"te_{torque:.0f}.csv",
+            quantity=QUANTITIES["static_transmission_error"],
+            axis=axis,
+            value=np.zeros(1400),
+            line=np.arange(1400),
+            keep=np.ones(1400, bool),
+            pinion_torque=torque,
+            noise_std=STD,
+            role=role,  # type: ignore[arg-type]
+        )
+        value = Springs().predict(record, hidden(seed)) + rng.normal(0.0, STD, 1400) + rng.normal(0.0, 1e-5)
+        records.append(dataclasses.replace(record, value=value + (extra or {}).get(torque, 0.0)))
+    return Campaign(name="springs", path="campaign.toml", model="model.toml", setup=SETUP, angle_known=False, records=tuple(records))
+
+
+def true_angle() -> Array:
+    return campaign(1).records[0].axis + hidden(1).angle_offset
+
+
+@pytest.fixture(scope="module")
+def healthy() -> Comparison:
+    return compare(campaign(1), Springs(), SCATTER)
+
+
+def test_hidden_nuisances_are_found_down_to_the_noise(healthy: Comparison) -> None:
+    truth = hidden(1)
+    for shift in healthy.shifts:
+        assert shift.value == pytest.approx(getattr(truth, shift.name), rel=0.0, abs=4.0 * shift.stderr), shift.name
+    late = np.concatenate([healthy.settings.pinion_late, healthy.settings.wheel_late])
+    wanted = np.concatenate([truth.pinion_late, truth.wheel_late])
+    stderr = SCATTER.index * healthy.elimination.deviations()[-3 * len(wanted) :: 3]
+    # Only sums of both gears act, so that a part common to all teeth of one gear stays at its prior, and stderr holds it.
+    assert np.sqrt(np.mean(((late - wanted) / stderr) ** 2)) < 1.5
+    assert np.std(late[:17] - wanted[:17]) < 2e-7
+    assert np.std(late[17:] - wanted[17:]) < 2e-7
+    for record in healthy.records:
+        assert record.rms(record.after) == pytest.approx(STD, rel=0.1, abs=0.0)
+        assert record.rms(record.before) > 5.0 * STD
+
+
+def test_chi_square_is_that_of_noise(healthy: Comparison) -> None:
+    rows = len(healthy.residual)
+    assert healthy.chi_square == pytest.approx(rows, abs=5.0 * math.sqrt(2.0 * rows))
+
+
+def test_hold_out_records_are_not_looked_at(healthy: Comparison) -> None:
+    assert [record.measurement.file for record in healthy.records] == ["te_10.csv", "te_60.csv", "te_150.csv"]
+    blind = campaign(1)
+    spoilt = dataclasses.replace(blind.records[3], value=1e3 * blind.records[3].value)
+    again = compare(dataclasses.replace(blind, records=(*blind.records[:3], spoilt)), Springs(), SCATTER)
+    assert again.chi_square == healthy.chi_square
+
+
+def test_no_gap_where_nothing_is_missing(healthy: Comparison) -> None:
+    found = localise(healthy, draws=120)
+    assert not found.gap
+    assert found.where == ()
+    assert found.p_value > 0.01
+
+
+@pytest.mark.parametrize(("zone", "torques"), [("double_exit", (60.0, 150.0)), ("recess", (10.0, 60.0, 150.0))])
+def test_a_gap_is_found_in_its_zone(zone: str, torques: tuple[float, ...]) -> None:
+    inside = in_zones(true_angle(), PAIR)[:, ZONES.index(zone)]
+    ripple = np.where(inside, 6e-8 * np.sin(40.0 * math.pi * true_angle() / PITCH), 0.0)
+    found = localise(compare(campaign(1, dict.fromkeys(torques, ripple)), Springs(), SCATTER), draws=120)
+    assert found.gap
+    named = {place.record: place.zone for place in reversed(found.where) if place.domain == "mesh_phase"}
+    assert {named[f"te_{torque:.0f}.csv"] for torque in torques} == {zone}
+
+
+def test_a_gap_of_one_tooth_is_found_there() -> None:
+    tooth, _ = leading_teeth(true_angle(), PAIR)
+    ripple = np.where(tooth == 5, 1.5e-7 * np.sin(40.0 * math.pi * true_angle() / PITCH), 0.0)
+    found = localise(compare(campaign(1, {60.0: ripple, 150.0: ripple}), Springs(), SCATTER), draws=120)
+    teeth = [place.zone for place in found.where if place.domain == "tooth" and place.zone.startswith("pinion")]
+    assert teeth[0] == "pinion:5"
+    assert found.sentence.startswith("There is a gap")
+
+
+def test_columns_of_teeth_are_derivatives() -> None:
+    record = campaign(1).records[1]
+    settings = hidden(1)
+    columns = tooth_columns(record, Springs(), settings, SCATTER)
+    for tooth in (3, 17 + 9):
+        moved = []
+        for sign in (1.0, -1.0):
+            late = [settings.pinion_late.copy(), settings.wheel_late.copy()]
+            late[tooth >= 17][tooth % 17 if tooth < 17 else tooth - 17] += sign * 1e-12
+            moved.append(Springs().predict(record, dataclasses.replace(settings, pinion_late=late[0], wheel_late=late[1])))
+        slope = (moved[0] - moved[1]) / 2e-12
+        assert np.quantile(np.abs(columns[:, 3 * tooth] - slope), 0.99) < 1e-5
+
+
+def test_errors_come_through_at_speed_as_the_oscillator_says() -> None:
+    oscillator = Springs().oscillator(1.0, neutral(PAIR))
+    step, rate = 1e-5, 3.1e3
+    time = step * np.arange(60000)
+    moving = respond(np.sin(rate * time)[:, None], step, oscillator, acceleration=False)[40000:, 0]
+    gain = 1.0 / (1.0 - (rate / 5e3) ** 2 + 2j * 0.08 * rate / 5e3)
+    # Straight lines between the samples of a sine: (rate step)^2/12 of the amplitude.
+    assert moving == pytest.approx(np.imag(gain * np.exp(1j * rate * time[40000:])), abs=2e-4)
+    shaken = respond(np.sin(rate * time)[:, None], step, oscillator, acceleration=True)[40000:, 0]
+    # The same error, times (5e3/rate)^2 for the force that it makes, and the gain of the oscillator.
+    assert shaken == pytest.approx(-10.0 * rate**2 * np.imag(gain * np.exp(1j * rate * time[40000:])), abs=4e-4 * 10.0 * rate**2)
+
+
+def test_zones_cover_the_cycle_once() -> None:
+    phase = (np.arange(5000) + 0.5) / 5000.0
+    inside = in_zones(phase * PITCH, PAIR)
+    share = dict(zip(ZONES, inside.mean(axis=0), strict=True))
+    assert share["double_entry"] + share["double_exit"] == pytest.approx(PAIR.contact_ratio - 1.0, abs=1e-3)
+    assert share["approach"] + share["recess"] == pytest.approx(share["single"], abs=1e-12)
+    weights = Springs().weights(phase * PITCH, 1e-3, neutral(PAIR)).pinion
+    alone = (weights > 0.0).sum(axis=1) == 1
+    assert np.mean(alone == inside[:, ZONES.index("single")]) > 0.99

@@ -1,0 +1,126 @@
+"""Noise of records: found under what repeats, made white, and kept apart from teeth that act on each other."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.linear import eliminate
+from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.whitening import make_whitener
+from gearfem.model import make_setup
+
+SETUP = make_setup(
+    {
+        "pair": {"module_mm": 2.5, "face_width_mm": 25.0},
+        "pinion": {"teeth": 23},
+        "wheel": {"teeth": 41},
+        "operation": {"pinion_torque_Nm": 100.0, "pinion_speed_rpm": 1000.0},
+    }
+)
+PAIR = SETUP.pair
+STEP = 2.0 * math.pi / 733.0
+
+
+def measured(value: np.ndarray, **more: object) -> Measurement:
+    quantity = QUANTITIES["static_transmission_error"]
+    record = Measurement(
+        file="a.csv",
+        quantity=quantity,
+        axis=0.1 + STEP * np.arange(len(value)),
+        value=value,
+        line=np.arange(len(value)),
+        keep=np.ones(len(value), bool),
+        pinion_torque=50.0,
+    )
+    return dataclasses.replace(record, **more)
+
+
+def repeating(count: int, seed: int = 5) -> np.ndarray:
+    """Return steps of every tooth of both gears, runouts and a mesh wave, in metres."""
+    angle = 0.1 + STEP * np.arange(count)
+    rng = np.random.default_rng(seed)
+    place = angle / PAIR.pinion.pitch_angle
+    late1, late2 = rng.normal(0.0, 1e-6, 23), rng.normal(0.0, 1e-6, 41)
+    teeth = late1[np.floor(place).astype(int) % 23] + late2[np.floor(place + 0.3).astype(int) % 41]
+    return teeth + 2e-5 * np.sin(angle) + 1e-5 * np.sin(angle / PAIR.ratio) + 2e-6 * np.sin(46.0 * angle)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.7])
+def test_noise_is_found_under_what_repeats_and_made_white(memory: float) -> None:
+    count, std = 3000, 1e-7
+    noise = lfilter([math.sqrt(1.0 - memory**2)], [1.0, -memory], np.random.default_rng(2).normal(0.0, std, count + 100))[100:]
+    found = measure_noise(measured(repeating(count) + noise), PAIR)
+    assert found.basis == "repeats"
+    # 980 double differences of four samples each: 3 % for one deviation, 8 % with this memory; steps between samples add 7 %.
+    assert found.std == pytest.approx(std, rel=0.25, abs=0.0)
+    white = found.whitener.apply(noise)
+    assert np.std(white) == pytest.approx(1.0, abs=0.18)
+    assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.15
+
+
+def test_spectrum_integrates_to_the_variance() -> None:
+    covariance = 4.0 * 0.6 ** np.arange(2)
+    found = dataclasses.replace(
+        measure_noise(measured(repeating(400)), PAIR), covariance=covariance, whitener=make_whitener(covariance, np.ones(9, bool))
+    )
+    cycles = (np.arange(2000) + 0.5) / 4000.0
+    assert (found.spectrum(cycles) ** 2).mean() * 0.5 == pytest.approx(4.0, rel=1e-6, abs=0.0)
+
+
+def test_a_stated_deviation_is_a_floor_and_more_than_it_is_no_noise() -> None:
+    quiet = measured(repeating(3000) + np.random.default_rng(3).normal(0.0, 1e-7, 3000))
+    assert measure_noise(dataclasses.replace(quiet, noise_std=3e-7), PAIR).std == pytest.approx(3e-7, rel=1e-9, abs=0.0)
+    mixed = repeating(3000) * (1.0 + 2.0 * np.sin(0.37 * quiet.axis))
+    loud = dataclasses.replace(quiet, value=quiet.value + mixed, noise_std=1e-7)
+    found = measure_noise(loud, PAIR)
+    assert found.measured_std > 3e-7
+    assert found.std == pytest.approx(1e-7, rel=1e-9, abs=0.0)
+    assert "teeth act on each other" in found.sentence
+    explained = measure_noise(dataclasses.replace(loud, noise_std=None), PAIR, mixed)
+    assert explained.std == pytest.approx(1e-7, rel=0.2, abs=0.0)
+
+
+def test_half_a_turn_has_its_roughness() -> None:
+    value = repeating(360) + np.random.default_rng(4).normal(0.0, 2e-7, 360)
+    found = measure_noise(measured(value), PAIR)
+    assert found.basis == "roughness"
+    assert found.std == pytest.approx(2e-7, rel=0.25, abs=0.0)
+    assert found.limit(0.01) > 2.6
+
+
+def test_whitener_makes_the_covariance_a_unit_matrix() -> None:
+    process = 2.5 * 0.8 ** np.arange(30)
+    covariance = process[np.abs(np.subtract.outer(np.arange(30), np.arange(30)))]
+    whitener = make_whitener(process[:3], np.ones(30, bool))
+    root = whitener.apply(np.linalg.cholesky(covariance))
+    assert root @ root.T == pytest.approx(np.eye(30), abs=1e-12)
+
+
+def test_masked_rows_break_the_run() -> None:
+    keep = np.ones(30, bool)
+    keep[[0, 11, 12]] = False
+    whitener = make_whitener(2.5 * 0.8 ** np.arange(2), keep)
+    value = np.random.default_rng(1).normal(size=(30, 2))
+    white = whitener.apply(value)
+    assert white.shape == (27, 2)
+    assert white[10] == pytest.approx(value[13] / math.sqrt(2.5), rel=1e-12, abs=0.0)
+
+
+def test_elimination_is_the_metric_of_noise_and_nuisances() -> None:
+    rng = np.random.default_rng(7)
+    columns, residual, other = rng.normal(size=(40, 6)), rng.normal(size=40), rng.normal(size=(40, 2))
+    freed = eliminate(columns.copy())
+    metric = np.linalg.inv(np.eye(40) + columns @ columns.T)
+    assert freed.gram(residual, other) == pytest.approx(residual @ metric @ other, rel=1e-10, abs=1e-12)
+    pull = rng.normal(size=6)
+    normal = columns.T @ columns + np.eye(6)
+    assert freed.solve(residual, pull) == pytest.approx(np.linalg.solve(normal, columns.T @ residual + pull), rel=1e-10, abs=1e-12)
+    assert freed.deviations() == pytest.approx(np.sqrt(np.diag(np.linalg.inv(normal))), rel=1e-10, abs=0.0)
+    assert freed.left(residual) == pytest.approx(metric @ residual, rel=1e-10, abs=1e-12)
