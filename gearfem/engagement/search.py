@@ -89,7 +89,7 @@ def search_contacts(pinion: Outline, wheel: Outline, placement: Placement, angle
 
     Where flanks wear into each other k1 + k2 falls to 0 and with it the sense of Hertz's law: the band would be wider
     than the hollow. It is not taken below a tenth of that of the involutes, where the band is three times as wide. If
-    it is lower in truth, the contact is computed too soft by at most ln(0.1/its part) F/(pi E*) on each body.
+    it is lower in truth, the approach is computed too large by ln(0.1/its part) F/(pi E*), F the line load.
     """
     axis1 = angle + placement.pinion_start
     candidates = find_candidates(pinion, wheel, placement.centre_distance, axis1)
