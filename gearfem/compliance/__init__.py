@@ -2,7 +2,7 @@
 
 from gearfem.compliance.body import BodyCompliance, annulus_wind_up, body_compliance, body_share, scale_body
 from gearfem.compliance.castigliano import Castigliano, FilletMiddle, FormCircle, RootEnd
-from gearfem.compliance.crack import CrackTable, crack_table, crack_tooth, cracked
+from gearfem.compliance.crack import CrackTable, crack_table, crack_tooth, cracked, deepest_crack
 from gearfem.compliance.elasticity import PlaneStrain, PlaneStress
 from gearfem.compliance.field import Field
 from gearfem.compliance.finite_elements import FiniteElements
@@ -15,6 +15,7 @@ from gearfem.compliance.solid_mesh import SolidMesh
 from gearfem.compliance.stage import load_positions, make_compliance, with_error
 from gearfem.compliance.supports import Bore, Root, RootChord
 from gearfem.compliance.width_record import WidthInfluence, WidthProfile
+from gearfem.compliance.worn import FlankResponse, flank_response, odd_tooth, worn_tooth
 
 __all__ = [
     "BodyCompliance",
@@ -26,6 +27,7 @@ __all__ = [
     "Field",
     "FilletMiddle",
     "FiniteElements",
+    "FlankResponse",
     "FormCircle",
     "LayerAndSides",
     "PaperMesh",
@@ -48,8 +50,12 @@ __all__ = [
     "crack_table",
     "crack_tooth",
     "cracked",
+    "deepest_crack",
+    "flank_response",
     "load_positions",
     "make_compliance",
+    "odd_tooth",
     "scale_body",
     "with_error",
+    "worn_tooth",
 ]

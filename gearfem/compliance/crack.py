@@ -72,9 +72,7 @@ class CrackTable(Record):
         InputError
             If the depth is below 0 or above `deepest`.
         """
-        if not 0.0 <= depth <= self.deepest:
-            allowed = f"0 to {self.deepest / MM:.4g} mm, {DEEPEST:g} of the section through the 30 degree tangents"
-            raise InputError("depth_mm", depth / MM, allowed)
+        _refuse_depth(depth, self.chord)
         share = depth / self.chord
         added = self._spline(share) * (share / (1.0 - share)) ** 2
         count = self.deflection.shape[1]
@@ -164,6 +162,7 @@ def cracked(tooth: ToothCompliance, depth: float, plane: Plane | None = None) ->
     InputError
         If the depth is below 0 or above 0.6 of the section, or the fillet has no 30 degree tangent.
     """
+    _refuse_depth(depth, section_chord(tooth.outline))
     deflection, coupling = crack_table(tooth.outline, tooth.u, tooth.offsets, plane).at(depth)
     return dataclasses.replace(tooth, deflection=tooth.deflection + deflection, coupling=tooth.coupling + coupling)
 
@@ -203,3 +202,14 @@ def crack_tooth(compliance: Compliance, member: Member, number: int, depth: floa
     if member == "pinion":
         return dataclasses.replace(compliance, pinion_odd=changed)
     return dataclasses.replace(compliance, wheel_odd=changed)
+
+
+def deepest_crack(outline: Outline) -> float:
+    """Return the depth [m] up to which cracks are computed: 0.6 of the section through both 30 degree tangents."""
+    return DEEPEST * section_chord(outline)
+
+
+def _refuse_depth(depth: float, chord: float) -> None:
+    if not 0.0 <= depth <= DEEPEST * chord:
+        allowed = f"0 to {DEEPEST * chord / MM:.4g} mm, {DEEPEST:g} of the section through the 30 degree tangents"
+        raise InputError("depth_mm", f"{depth / MM:g}", allowed)

@@ -251,6 +251,5 @@ def root_mesh(outline: Outline, resolution: float, chord: bool) -> SectionMesh:
 
 
 def unworn(outline: Outline) -> Outline:
-    """Return the outline of the idle side: without deviation, and the given one itself if nothing is missing from it."""
-    worn = outline.deviation is not None and outline.deviation.depth.any()
-    return Outline(gear=outline.gear) if worn else outline
+    """Return the outline of the idle side: that of the gear without anything missing."""
+    return outline if outline.deviation is None else Outline(gear=outline.gear)

@@ -9,20 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.compliance.finite_elements import FiniteElements
-from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
+from gearfem.compliance.record import Compliance, ComplianceCurve
+from gearfem.compliance.section_mesh import unworn
+from gearfem.compliance.worn import odd_tooth, worn_tooth
+from gearfem.definition.setup import Member
 from gearfem.flank import Flanks, Outline
 from gearfem.foundation import Array
 from gearfem.foundation.progress import Progress, quiet
 
+MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
 # Positions on the first half of the tip round, where a bent tooth touches before and after its path of contact.
 ON_ROUND = 4
-
-
-class ToothMethod(Protocol):
-    """A way to compute the compliance of a tooth and its coupling to the neighbours."""
-
-    def tooth(self, outline: Outline, u: ArrayLike) -> ToothCompliance:
-        """Return the compliance over load positions."""
 
 
 class CurveMethod(Protocol):
@@ -92,15 +89,15 @@ def load_positions(outline: Outline, count: int = 40) -> Array:
     return np.concatenate([flank, 3.0 + reach * np.arange(1, ON_ROUND + 1) / ON_ROUND])
 
 
-def make_compliance(flanks: Flanks, method: ToothMethod | None = None, positions: int = 40, progress: Progress = quiet) -> Compliance:
-    """Compute the compliance of both gears, whole, each held at its bore.
+def make_compliance(flanks: Flanks, method: FiniteElements | None = None, positions: int = 40, progress: Progress = quiet) -> Compliance:
+    """Compute the compliance of both gears, whole, each held at its bore, worn and odd teeth included.
 
     Parameters
     ----------
     flanks : Flanks
         Outlines of both gears.
-    method : ToothMethod
-        By default `FiniteElements` in plane strain.
+    method : FiniteElements
+        By default in plane strain.
     positions : int
         Load positions on each tooth.
     progress : Progress
@@ -114,11 +111,18 @@ def make_compliance(flanks: Flanks, method: ToothMethod | None = None, positions
     ------
     SolveError, InputError
         As the method does.
+
+    Notes
+    -----
+    What little metal is missing from a flank costs no finite elements of its own: `gearfem.compliance.worn`.
     """
     method = method or FiniteElements()
-    teeth = []
-    for done, outline in enumerate((flanks.pinion, flanks.wheel)):
+    teeth, odd = [], []
+    for done, member in enumerate(MEMBERS):
         progress("tooth compliance", done, 2)
-        teeth.append(method.tooth(outline, load_positions(outline, positions)))
+        outline = flanks.of(member)
+        u = load_positions(unworn(outline), positions)
+        teeth.append(worn_tooth(method, outline, u))
+        odd.append(tuple((number, odd_tooth(method, one, outline, u)) for number, one in sorted(flanks.odd(member).items())))
     progress("tooth compliance", 2, 2)
-    return Compliance(pinion=teeth[0], wheel=teeth[1])
+    return Compliance(pinion=teeth[0], wheel=teeth[1], pinion_odd=odd[0], wheel_odd=odd[1])
