@@ -12,6 +12,7 @@ import numpy as np
 from gearfem.engagement.turn_kernels import (
     ARM1,
     ARM2,
+    CELL,
     COLUMNS,
     FORCE,
     FRICTION1,
@@ -123,6 +124,7 @@ def look(
     width: float,
     base1: float,
     base2: float,
+    turn: float,
     early: float,
     tables: Any,
     late1: Any,
@@ -149,11 +151,16 @@ def look(
     count = desk.shape[0]
     common, rate = wave(gaps, q * pitch)
     if fresh:
-        found = lay(q, common, tables, late1, late2, knots, bins, shape, base1, base2, early, count, desk)
-        if found > first:
-            moved = found - first
+        found = lay(q, common, tables, late1, late2, knots, bins, shape, base1, base2, turn, early, count, desk)
+        if found != first:
             for slot in range(count):
-                desk[slot, FORCE] = desk[slot + moved, FORCE] if slot + moved < count else 0.0
+                right[slot] = desk[slot, FORCE]
+            for slot in range(count):
+                before = slot + found - first
+                desk[slot, FORCE] = right[before] if 0 <= before < count else 0.0
+        for slot in range(count):
+            if desk[slot, CELL] < 0.0:
+                desk[slot, FORCE] = 0.0
         first = found
         couple(q, first, count, partners, cknots, cbins, coupling, yielding * width, desk, matrix)
     m1, m2, force = push(
@@ -216,6 +223,7 @@ def march(
     width: float,
     base1: float,
     base2: float,
+    turn: float,
     early: float,
     tables: Any,
     late1: Any,
@@ -264,7 +272,7 @@ def march(
                 # fmt: off
                 first, m1, m2, f = look(
                     q, es, vs, moved, first, pitch, speed, damp, friction, stiffness, play, gaps, yielding, width, base1, base2,
-                    early, tables, late1, late2, knots, bins, shape, law, lowest, step, partners, cknots, cbins, coupling,
+                    turn, early, tables, late1, late2, knots, bins, shape, law, lowest, step, partners, cknots, cbins, coupling,
                     desk, matrix, work, right,
                 )
                 # fmt: on
@@ -285,7 +293,7 @@ def march(
                 # fmt: off
                 first, m1, m2, f = look(
                     q, es, vs, True, first, pitch, speed, damp, friction, stiffness, play, gaps, yielding, width, base1, base2,
-                    early, tables, late1, late2, knots, bins, shape, law, lowest, step, partners, cknots, cbins, coupling,
+                    turn, early, tables, late1, late2, knots, bins, shape, law, lowest, step, partners, cknots, cbins, coupling,
                     desk, matrix, work, right,
                 )
                 # fmt: on

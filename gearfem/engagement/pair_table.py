@@ -24,7 +24,9 @@ from gearfem.foundation import Array, Record, SolveError
 LOWEST, LEVEL = 3e-8, 0.3
 # Cells to the pitch away from kinks, width of the first cell beside one in pitches, and growth of the next.
 CELLS, FINEST, GROWTH = 192, 4e-5, 1.1
-SEARCH, SECTIONS, ROUNDS = 200, 64, 4
+SEARCH, SECTIONS, ROUNDS = 200, 128, 3
+# Change of the logarithm of the radius over a cell from which on the cell is divided.
+BEND, MOST_PARTS = 0.03, 8
 # A contact point that moves this many times farther in a step than the median has jumped.
 JUMP = 8.0
 GONE = 1.0
@@ -40,6 +42,13 @@ class Span(NamedTuple):
     end: float
     sharp: tuple[bool, bool]
     code: int
+
+
+class Rough(NamedTuple):
+    """Samples x (n,) of the way, and by what the logarithm of the radius of curvature changes between them (n - 1,)."""
+
+    x: Array
+    bend: Array
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -123,8 +132,8 @@ def pair_table(mesh: Mesh, number: int, cells: int = CELLS) -> PairTable:
     Levels are exact: samples of the law at given loads start Newton's method at each level. Between knots and levels the load errs by
     2e-5 where the band just meets an edge, by 2e-6 in 99 of 100 places (tests/truth/test_turns.py).
     """
-    spans, kinks = _spans(mesh, number)
-    knots = [_graded(span, cells) for span in spans]
+    spans, rough = _spans(mesh, number)
+    knots = [_split(_graded(span, cells), rough) for span in spans]
     rows = [_inside(part) for part in knots]
     contacts = _contacts(mesh, number, np.concatenate(rows))
     system = mesh.system(contacts)
@@ -146,7 +155,7 @@ def pair_table(mesh: Mesh, number: int, cells: int = CELLS) -> PairTable:
         knots=np.concatenate([part[:-1] for part in knots] + [knots[-1][-1:]]),
         shape=pieces_all[:, : ON_FLANK + 1],
         law=pieces_all[:, ON_FLANK + 1 :].reshape(len(pieces_all), -1, 2, 4),
-        kinks=kinks,
+        kinks=tuple(span.end for span in spans[:-1]),
     )
 
 
@@ -181,7 +190,7 @@ def coupling_table(
         return None
     kinks = {*tables[0].kinks, *(kink + apart for kink in tables[1].kinks)}
     ends = [low, *sorted(kink for kink in kinks if low + FINEST < kink < high - FINEST), high]
-    parts = [_graded(Span(a, b, (a != low, b != high), FLANK), cells) for a, b in itertools.pairwise(ends)]
+    parts = [_graded(Span(a, b, (False, False), FLANK), cells) for a, b in itertools.pairwise(ends)]
     rows = np.concatenate([_inside(part) for part in parts])
     contacts = _contacts(mesh, number, rows, (number, number + apart))
     linear = read_compliance(mesh.compliance, contacts).linear
@@ -198,8 +207,8 @@ def _contacts(mesh: Mesh, number: int, x: Array, pairs: tuple[int, ...] | None =
     return find_contacts(mesh.flanks, mesh.placement, (x + number) * pitch, (number,) if pairs is None else pairs)
 
 
-def _spans(mesh: Mesh, number: int) -> tuple[list[Span], tuple[float, ...]]:
-    """Return the parts of the way between kinks."""
+def _spans(mesh: Mesh, number: int) -> tuple[list[Span], Rough]:
+    """Return the parts of the way between kinks, and where the curvature changes fast between them."""
     far = math.ceil(mesh.placement.pair.contact_ratio) + 0.5
     x = np.linspace(-far, far, round(2.0 * far * SEARCH) + 1)
     contacts = _contacts(mesh, number, x)
@@ -208,21 +217,15 @@ def _spans(mesh: Mesh, number: int) -> tuple[list[Span], tuple[float, ...]]:
         raise SolveError(f"pair {number} never touches")
     steps = np.abs(np.diff(place))
     same = (code[1:] == code[:-1]) & (code[1:] > 0)
-    jumped = same & (steps > JUMP * np.median(steps[same]))
-    low, high = _sections(mesh, number, x, np.flatnonzero((code[1:] != code[:-1]) | jumped))
-    known = np.flatnonzero(code > 0)
-    ends = [(x[0], x[0]), *zip(low, high, strict=True), (x[-1], x[-1])]
-    spans = []
-    for (_, start), (end, _) in itertools.pairwise(ends):
-        middle = 0.5 * (start + end)
-        reach = int(_code(_contacts(mesh, number, np.array([middle])))[0])
-        if x[known[0]] - 1.0 / SEARCH < middle < x[known[-1]] + 1.0 / SEARCH:
-            spans.append((start, end, reach))
+    found = np.flatnonzero((code[1:] != code[:-1]) | (same & (steps > JUMP * np.median(steps[same]))))
+    low, high = _sections(mesh, number, x, found)
+    bend = np.where(same, np.abs(np.diff(np.log(contacts.flank_radius[:, 0]))), 0.0)
+    bend[found] = 0.0
     # The two sides of a kink share one end: its width is rounding.
-    shared = [spans[0][0], *(0.5 * (a[1] + b[0]) for a, b in itertools.pairwise(spans)), spans[-1][1]]
-    last = len(spans) - 1
-    found = [Span(shared[i], shared[i + 1], (i > 0, i < last), span[2]) for i, span in enumerate(spans)]
-    return found, tuple(shared[1:-1])
+    ends, codes = [x[0], *(0.5 * (low + high)).tolist(), x[-1]], [int(code[0]), *code[found + 1].tolist()]
+    first, last = np.flatnonzero(codes)[[0, -1]]
+    spans = [Span(ends[k], ends[k + 1], (bool(k > first), bool(k < last)), codes[k]) for k in range(first, last + 1)]
+    return spans, Rough(x, bend)
 
 
 def _code(contacts: Contacts) -> NDArray[np.int_]:
@@ -259,6 +262,15 @@ def _graded(span: Span, cells: int) -> Array:
     last = length - (ramp if span.sharp[1] else ramp[:1])[::-1]
     inner = np.linspace(first[-1], last[0], max(math.ceil((last[0] - first[-1]) * cells), 3) + 1)
     return span.start + np.concatenate([first[:-1], inner, last[1:]])
+
+
+def _split(knots: Array, rough: Rough) -> Array:
+    """Return knots with cells divided over which the curvature of worn flanks changes by more than `BEND`, into eight at most."""
+    at = np.clip(np.searchsorted(rough.x, 0.5 * (knots[1:] + knots[:-1])) - 1, 0, rough.bend.size - 1)
+    wide = np.diff(knots) * SEARCH > 1.0 / MOST_PARTS
+    parts = np.where(wide, np.clip(np.ceil(rough.bend[at] / BEND), 1, MOST_PARTS), 1).astype(int)
+    within = np.concatenate([np.arange(count) / count for count in parts]) if parts.max() > 1 else np.zeros(parts.size)
+    return np.append(np.repeat(knots[:-1], parts) + within * np.repeat(np.diff(knots), parts), knots[-1])
 
 
 def _inside(knots: Array) -> Array:

@@ -64,20 +64,23 @@ def lay(
     shape: Any,
     base1: float,
     base2: float,
+    turn: float,
     early: float,
     count: int,
     desk: Any,
 ) -> int:
     """Lay out the pairs in reach of the pinion angle q, rows of `desk`; return the number of the first. Angles are in pitches.
 
-    `early` is the least local angle of any table.
+    `turn` is 1/(r_b1 pitch), `early` the least local angle of any table.
     Columns: gap with index errors and the common gap, arms, friction arms and sliding, cell and place in it (-1 out of reach), table.
     """
     first = int(np.floor(q - early)) - count + 1
     for slot in range(count):
         pair = first + slot
         table = tables[pair % tables.size]
-        x = q - pair
+        # A late pinion tooth stands behind by e/r_b1: its pair is at an earlier place of its way, and both lags add to the gap.
+        late = late1[pair % late1.size]
+        x = q - pair - late * turn
         cell = find(knots, bins, table, x)
         desk[slot, CELL], desk[slot, TABLE], desk[slot, GAP] = cell, table, FAR
         desk[slot, ARM1], desk[slot, ARM2], desk[slot, LEVER] = base1, base2, 1.0
@@ -92,8 +95,7 @@ def lay(
         desk[slot, GAP_RATE] = desk[slot, ON_FLANK] * ((3.0 * own[0, 0] * d + 2.0 * own[0, 1]) * d + own[0, 2])
         lever = desk[slot, ARM2] / base2
         desk[slot, LEVER] = lever
-        # A late pinion tooth acts along its own normal by l1/r_b1, a late wheel tooth as the wheel's lag does.
-        desk[slot, GAP] += common + late2[pair % late2.size] + late1[pair % late1.size] * desk[slot, ARM1] / base1 / lever
+        desk[slot, GAP] += common + late + late2[pair % late2.size]
     return first
 
 
@@ -241,6 +243,7 @@ def share(
     width: float,
     base1: float,
     base2: float,
+    turn: float,
     early: float,
     tables: Any,
     late1: Any,
@@ -272,7 +275,7 @@ def share(
     matrix, work, right = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
     top = np.exp(lowest + step * (law.shape[2] - 1))
     for row in range(q.size):
-        first[row] = lay(q[row], common[row], tables, late1, late2, knots, bins, shape, base1, base2, early, count, desk)
+        first[row] = lay(q[row], common[row], tables, late1, late2, knots, bins, shape, base1, base2, turn, early, count, desk)
         couple(q[row], first[row], count, partners, cknots, cbins, coupling, yielding * width, desk, matrix)
         for j in range(count):
             desk[j, MOMENT] = (desk[j, ARM1] + friction * np.sign(desk[j, SLIDING]) * desk[j, FRICTION1]) * width

@@ -5,9 +5,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections import OrderedDict
-from collections.abc import Callable
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,19 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from gearfem.definition.setup import Member
 from gearfem.engagement.contacts import REACH
 from gearfem.engagement.engage import LARGEST_OVERLOAD, Mesh
-from gearfem.engagement.pair_table import LEVEL, CouplingTable, coupling_table, kernels, levels, pair_table
+from gearfem.engagement.pair_table import kernels, levels
+from gearfem.engagement.turn_stack import Stack, make_stack
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.record import digest
 from gearfem.foundation.units import MM
 from gearfem.placement import runout_gap
 
-Table = TypeVar("Table")
 Ints = NDArray[np.int64]
-
-BINS = 1024
-# A table takes 2 MB: a quarter of a gigabyte at most.
-KEPT = 128
-_memory: OrderedDict[str, Any] = OrderedDict()
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -76,32 +68,6 @@ class StaticTurns(Record):
         out = np.zeros((len(weight), teeth))
         np.add.at(out, (np.arange(len(weight))[:, None], self.pairs % teeth), weight)
         return out
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Stack:
-    """Tables side by side for the compiled loops, see `turn_kernels`: what the pairs of one record need.
-
-    `tables` (h,) and `partners` (m, h) give the table of each pair of the hunting period, and the coupling table of it and the pair
-    one to m pitches on.
-    """
-
-    tables: Ints
-    knots: Array
-    bins: Ints
-    shape: Array
-    law: Array
-    partners: Ints
-    cknots: Array
-    cbins: Ints
-    coupling: Array
-    early: float
-    count: int
-
-    def arrays(self, lowest: float, late: tuple[Array, Array]) -> tuple[Any, ...]:
-        """Return the arguments of the loops from `early` on."""
-        own = (self.early, self.tables, *late, self.knots, self.bins, self.shape, self.law, lowest, LEVEL)
-        return (*own, self.partners, self.cknots, self.cbins, self.coupling)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -180,60 +146,24 @@ class Turns(Record):
     def _stacks(self) -> dict[bytes, Stack]:
         return {}
 
-    def kind(self, number: int) -> str:
-        """Return what tells apart the pairs that need tables of their own."""
-        return self.kinds[0][number % self.teeth[0]] + self.kinds[1][number % self.teeth[1]]
+    @functools.cached_property
+    def period(self) -> int:
+        """Number of pairs after which the same two kinds of teeth meet again: 1 if all are alike."""
+        return math.lcm(*(1 if len(set(kinds)) == 1 else len(kinds) for kinds in self.kinds))
 
     def stack(self, pitches: Array) -> Stack:
         """Return the tables that pinion angles, in pitches, need."""
         far = math.ceil(self.mesh.placement.pair.contact_ratio) + 1
-        whole = np.unique(np.floor(pitches).astype(np.int64) % self.hunting)
-        numbers = np.unique((whole[:, None] + np.arange(-far, far + 2)) % self.hunting)
-        if len(set(self.kinds[0])) == len(set(self.kinds[1])) == 1:
-            numbers = np.arange(min(self.hunting, 1))
+        whole = np.unique(np.floor(pitches).astype(np.int64) % self.period)
+        numbers = np.unique((whole[:, None] + np.arange(-far, far + 2)) % self.period)
         key = numbers.tobytes()
         if key not in self._stacks:
-            self._stacks[key] = self._make_stack(numbers)
+            self._stacks[key] = make_stack(self.bare, self.common, [self._kind(number) for number in range(self.period)], numbers)
         return self._stacks[key]
 
-    def _make_stack(self, numbers: Ints) -> Stack:
-        kinds = [self.kind(number) for number in range(self.hunting)]
-        needed = {kinds[number]: int(number) for number in numbers[::-1]}
-        order = {kind: place for place, kind in enumerate(needed)}
-        found = {kind: _kept(self.common + kind, pair_table, self.bare, number) for kind, number in needed.items()}
-        count = math.ceil(max(table.knots[-1] for table in found.values()) - min(table.knots[0] for table in found.values()))
-        wanted = np.array([kind in needed for kind in kinds])
-        partners = np.zeros((max(count - 1, 1), self.hunting), np.int64)
-        joined: dict[str, int] = {}
-        couplings: list[CouplingTable] = [CouplingTable(knots=np.array([-2e9, -1e9]), coupling=np.zeros((1, 4)))]
-        for apart in range(1, count):
-            for number in range(self.hunting):
-                other = (number + apart) % self.hunting
-                if not (wanted[number] and wanted[other]):
-                    continue
-                key = f"{apart}{kinds[number]}{kinds[other]}"
-                if key not in joined:
-                    both = found[kinds[number]], found[kinds[other]]
-                    table = _kept(self.common + key, coupling_table, self.bare, number, apart, both)
-                    joined[key] = len(couplings) if table is not None else 0
-                    couplings += [] if table is None else [table]
-                partners[apart - 1, number] = joined[key]
-        tables = list(found.values())
-        knots, bins = _side_by_side([table.knots for table in tables])
-        cknots, cbins = _side_by_side([table.knots for table in couplings])
-        return Stack(
-            tables=np.array([order.get(kind, 0) for kind in kinds], np.int64),
-            knots=knots,
-            bins=bins,
-            shape=_padded([table.shape for table in tables]),
-            law=_padded([table.law for table in tables]),
-            partners=partners,
-            cknots=cknots,
-            cbins=cbins,
-            coupling=_padded([table.coupling for table in couplings]),
-            early=float(knots[:, 0].min()),
-            count=count,
-        )
+    def _kind(self, number: int) -> str:
+        """Return what tells apart the pairs that need tables of their own."""
+        return self.kinds[0][number % self.teeth[0]] + self.kinds[1][number % self.teeth[1]]
 
 
 def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: float = 0.0) -> StaticTurns:
@@ -263,10 +193,10 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
 
     Notes
     -----
-    For every pair j in reach: available approach a_j = (e - gap_j - g) l2/r_b2 - late2_j l2/r_b2 - late1_j l1/r_b1 -
-    sum C_jk F_k - s sum F_k l2/r_b2 >= 0, F_j = K_j(a_j) a_j, and sum F_k (l1 + f sign(v_sl) h1) = T1, by Newton's method.
-    g is the common gap of the runouts, s the yield of the supports. Index errors and runout are of first order: a gap of 10 um moves
-    the contact point by 1e-3 of the module. Against `engage` at random angles the tables err by some 1e-6 of the
+    For every pair j in reach: available approach a_j = (e - gap_j - late1_j - late2_j - g - s sum F_k l2/r_b2) l2/r_b2 -
+    sum C_jk F_k >= 0, F_j = K_j(a_j) a_j, and sum F_k (l1 + f sign(v_sl) h1) = T1, by Newton's method. A late pinion tooth also
+    stands late1/r_b1 behind on its way.
+    g is the common gap of the runouts, s the yield of the supports. Against `engage` at random angles the tables err by some 1e-6 of the
     transmission error (tests/truth/test_turns.py).
     """
     placement = turns.mesh.placement
@@ -284,7 +214,8 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
     error, slope, first = np.full(angle.size, np.nan), np.zeros(angle.size), np.zeros(angle.size, np.int64)
     force, weight1, weight2 = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     late = placement.pinion_late, placement.wheel_late
-    size = pair.face_width, pair.pinion.base_radius, pair.wheel.base_radius
+    base = pair.pinion.base_radius
+    size = pair.face_width, base, pair.wheel.base_radius, 1.0 / (base * pair.pinion.pitch_angle)
     gap = runout_gap(placement, angle)[0]
     tables = stack.arrays(float(levels(pair.pinion.module)[0]), late)
     failed = kernels().share(
@@ -312,31 +243,3 @@ def _fail(turns: Turns, torque: float, angle: float, solved: bool) -> None:
         found = f"{torque:g} N m, which presses a pair by more than {limit / MM:.4g} mm"
         raise InputError("operation.pinion_torque_Nm", found, "a torque that moves the teeth by at most a twentieth of the module")
     raise SolveError(f"load sharing did not converge at {torque:g} N m and a pinion angle of {angle:.6g} rad")
-
-
-def _kept(key: str, make: Callable[..., Table], *args: Any) -> Table:
-    """Return the table of this content, made at need; the last `KEPT` stay."""
-    if key not in _memory:
-        _memory[key] = make(*args)
-    _memory.move_to_end(key)
-    while len(_memory) > KEPT:
-        _memory.popitem(last=False)
-    table: Table = _memory[key]
-    return table
-
-
-def _side_by_side(knots: list[Array]) -> tuple[Array, Ints]:
-    """Return knots padded with their last, and for equal bins of each range the cell at its beginning."""
-    size = max(part.size for part in knots)
-    padded = np.stack([np.concatenate([part, np.full(size - part.size, part[-1])]) for part in knots])
-    places = [np.searchsorted(part, np.linspace(part[0], part[-1], BINS, endpoint=False), side="right") - 1 for part in knots]
-    # The bin of a point at its very edge may round up: one cell back is safe.
-    return padded, np.maximum(np.stack(places) - 1, 0)
-
-
-def _padded(parts: list[Array]) -> Array:
-    size = max(len(part) for part in parts)
-    out = np.zeros((len(parts), size, *parts[0].shape[1:]))
-    for row, part in enumerate(parts):
-        out[row, : len(part)] = part
-    return out
