@@ -30,11 +30,13 @@ from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, make_drive, rigid_motion, unloaded_transport, wheel_torque_sentence
 from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
+from gearfem.dynamics.uneven import uneven_motion
 from gearfem.effects.catalogue import in_history
 from gearfem.effects.effect import Effect
 from gearfem.effects.effect import Stage as EffectStage
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
+from gearfem.engagement.turns import Turns
 from gearfem.flank import Flanks, fitted_flanks, make_flanks, path_of_contact
 from gearfem.foundation import Array, InputError, Record, digest
 from gearfem.foundation.cache import remembered
@@ -56,6 +58,10 @@ METHOD_ASSUMPTIONS = (
     "finite elements do down to its centreline.",
     "The rigid model takes the ratio of the forces under the operation torque, which changes hands over a finite angle; "
     "the elastic model takes the unloaded ratio, since its own deflection adds the rest.",
+)
+UNEVEN = (
+    "Rigid and classical models: teeth like most of their gear's, evenly spaced, under steady torques. What differs from tooth to tooth "
+    "or varies with the turns acts in the elastic model, which is stepped over whole turns."
 )
 EVEN = "All teeth are equal and perfectly spaced."
 
@@ -380,13 +386,16 @@ def _with_dynamics(results: Results, progress: Progress) -> Results:
     drive = results.system.drive
     pitch = setup.pair.pinion.pitch_angle
     torque = drive.pinion_torque
-    forces = mesh_force(results.mesh, torque)
+    even = results.mesh if _even(results.system) else _evened(results.mesh)
+    forces = mesh_force(even, torque)
     positions = np.arange(RIGID_STEPS) / RIGID_STEPS * pitch
-    ratio = _closed(engage(results.mesh, positions, torque).gear_ratio_force, setup.pair.ratio)
+    ratio = _closed(engage(even, positions, torque).gear_ratio_force, setup.pair.ratio)
     rigid = rigid_motion(positions, ratio, pitch, drive, kinked)
     coarse = rigid_motion(positions[::2], ratio[::2], pitch, drive, kinked)
-    transport = unloaded_transport(forces, drive)
-    elastic = elastic_motion(forces, drive, transport, progress=progress)
+    if even is results.mesh and not drive.ripples:
+        elastic = elastic_motion(forces, drive, unloaded_transport(forces, drive), progress=progress)
+    else:
+        elastic = uneven_motion(Turns(mesh=results.mesh), drive)
     discs = tuple(gear.disc_inertia(setup.pair.face_width) for gear in (setup.pair.pinion, setup.pair.wheel))
     classical = classical_motion(forces, drive, *discs, progress=progress)
     return dataclasses.replace(
@@ -403,7 +412,20 @@ def _with_dynamics(results: Results, progress: Progress) -> Results:
             wheel_torque_sentence("elastic", drive, elastic.wheel_torque),
             wheel_torque_sentence("classical", drive, classical.wheel_torque),
             f"Classical model: inertias of the gears alone, solid discs of {discs[0]:.4g} and {discs[1]:.4g} kg m2.",
+            *(() if even is results.mesh and not drive.ripples else (UNEVEN,)),
         ),
+    )
+
+
+def _evened(mesh: Mesh) -> Mesh:
+    """Return a mesh all of whose teeth are like most of its gear's, evenly spaced about their axes."""
+    none1, none2 = np.zeros_like(mesh.placement.pinion_late), np.zeros_like(mesh.placement.wheel_late)
+    placement = dataclasses.replace(mesh.placement, pinion_late=none1, wheel_late=none2, pinion_runout=(0.0, 0.0), wheel_runout=(0.0, 0.0))
+    return dataclasses.replace(
+        mesh,
+        flanks=dataclasses.replace(mesh.flanks, pinion_odd=(), wheel_odd=()),
+        compliance=dataclasses.replace(mesh.compliance, pinion_odd=(), wheel_odd=()),
+        placement=placement,
     )
 
 

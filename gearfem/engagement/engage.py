@@ -73,9 +73,11 @@ class Mesh(Record):
         pair = self.placement.pair
         read = read_compliance(self.compliance, contacts)
         lever = contacts.arm2 / pair.wheel.base_radius
+        # Supports move with the sum of all loads and put every pair off by the same lag.
+        supports = self.placement.support * pair.face_width * lever[:, :, None] * lever[:, None, :]
         lead = self.lead
         return PairSystem(
-            linear=read.linear,
+            linear=read.linear + supports,
             lever=lever,
             arm=contacts.arm1 * pair.face_width,
             gap=self.gap(contacts),
@@ -186,7 +188,7 @@ def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> t
 
 def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
     """Return the secant stiffness of each pair alone under the whole load where its flanks touch, 0 elsewhere."""
-    system = mesh.system(contacts)
+    system = dataclasses.replace(mesh, placement=dataclasses.replace(mesh.placement, support=0.0)).system(contacts)
     force = torque / system.arm
     own = np.einsum("ajj->aj", system.linear) * force
     approach = own + system.local(mesh.law).approach(force)
