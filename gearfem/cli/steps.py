@@ -31,6 +31,7 @@ from gearfem.compliance.solid_curve import QUICK
 from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.engagement.carpet import error_carpet
 from gearfem.engagement.engage import engage
+from gearfem.engagement.width_load import load_over_width
 from gearfem.flank import Flanks, Outline, make_flanks
 from gearfem.foundation import Array, InputError
 from gearfem.foundation.progress import Progress
@@ -53,6 +54,7 @@ from gearfem.report import (
     write_stiffness_pictures,
     write_summary,
     write_vtu,
+    write_width_picture,
 )
 
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
@@ -149,6 +151,11 @@ def stiffness(setup: Setup, out: Path, steps: int, torques: Sequence[float], pro
         if not (math.isfinite(torque) and torque > 0.0):
             raise InputError("--torque", torque, "a number above 0 N m")
     angles = _angles(setup.pair, steps)
+    prepared = run_chain(setup, "compliance", progress=progress).mesh
+    assert prepared is not None
+    progress("solid elements of a lead", 0, 1)
+    leads = prepared.lead is not None
+    progress("solid elements of a lead", 1, 1)
     results = run_chain(setup, "engagement", torque=wanted[0], angles=angles, progress=progress)
     assert results.mesh is not None
     assert results.engagement is not None
@@ -159,7 +166,13 @@ def stiffness(setup: Setup, out: Path, steps: int, torques: Sequence[float], pro
     progress("engagement", len(wanted), len(wanted))
     carpet = error_carpet(results.mesh, angles, max(wanted), progress)
     lines = [line for one in engagements for line in _numbers(dataclasses.replace(results, engagement=one))]
-    files = [write_stiffness(results, out, engagements), *write_stiffness_pictures(setup, engagements, carpet, out)]
+    widths = [load_over_width(results.mesh, one, progress) for one in engagements] if leads else []
+    for one, along in zip(engagements, widths, strict=False):
+        factor = along.face_load_factor
+        lines.append(f"face load factor K_Hbeta at {one.pinion_torque:g} N m: {factor.min():.3f} to {factor.max():.3f}")
+    files = [write_stiffness(results, out, engagements, widths), *write_stiffness_pictures(setup, engagements, carpet, out)]
+    if widths:
+        files.append(write_width_picture(setup, engagements[0].pinion_torque, widths[0], out))
     return Done(list(dict.fromkeys(lines)), files)
 
 

@@ -196,7 +196,11 @@ def lead_table(flanks: Flanks, placement: Placement, compliance: Compliance, law
     among pairs: exact, as far as the coupling through the bodies is even along the width. Bodies wind up and tilt as
     the solids do; shafts and bearings stay rigid against tilting.
 
-    Sizes of errors on the coal combine pair (Wojnarowski & Onishchenko 2003) stand in the README.
+    Sizes of errors, 20/30 teeth of 2 mm, 20 mm wide, under 133 N/mm and a tilt of as much as the deflection: 8 slices against 16,
+    and the default solids against finer ones, each leave 0.1 % of what the lead adds and 1 to 2 % of the largest line load. The
+    ends carry 5 % more if the influence is made reciprocal, which reading it on the centreline keeps it from being. All slices of
+    all pairs solved at once differ by 0.4 % of the transmission error on the path and 2 % on a tip edge, by 0.003 and 0.02 in load
+    shares; coupling through the body as uneven as the teeth themselves would make that at most 5 % and 0.05.
     """
     position = path_positions(flanks, placement)
     pair = sliced_pair(flanks, placement, compliance, slices, position)
@@ -261,9 +265,8 @@ def _spread(gear: Gear, face_width: float, slices: FaceSlices, u: Array) -> Arra
 
 @remembered
 def _influence(method: SolidElements, outline: Outline, u: float, face_width: float, count: int) -> Array:
-    """Return the influence of slices, made reciprocal: it acts on the flank and is read on the centreline, 2 % apart."""
-    matrix = method.influence(outline, u, face_width, count).matrix
-    return 0.5 * (matrix + matrix.T)
+    """Return the influence of slices of a whole gear."""
+    return method.influence(outline, u, face_width, count).matrix
 
 
 def with_ends(line_load: Array) -> Array:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from gearfem.report.summary import summarise
     from gearfem.report.sweep_table import write_sweep
     from gearfem.report.tables import write_compliance, write_dynamics, write_kinematics, write_stiffness, write_summary
+    from gearfem.report.width_plots import write_width_picture
 
 __all__ = [
     "Rendering",
@@ -37,6 +38,7 @@ __all__ = [
     "write_sweep",
     "write_sweep_pictures",
     "write_vtu",
+    "write_width_picture",
 ]
 
 _HOMES = {
@@ -50,6 +52,7 @@ _HOMES = {
     "summary": ("summarise",),
     "body_table": ("write_body",),
     "sweep_table": ("write_sweep",),
+    "width_plots": ("write_width_picture",),
     "tables": ("write_compliance", "write_dynamics", "write_kinematics", "write_stiffness", "write_summary"),
 }
 

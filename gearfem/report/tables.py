@@ -13,6 +13,7 @@ from gearfem.compliance.record import ComplianceCurve
 from gearfem.definition.setup import Member
 from gearfem.dynamics.record import ElasticMotion
 from gearfem.engagement.record import Engagement
+from gearfem.engagement.width_load import WidthLoad
 from gearfem.flank.outline import ROUND
 from gearfem.foundation import Array
 from gearfem.foundation.files import write_csv, write_json
@@ -99,7 +100,7 @@ def on_flank(curve: ComplianceCurve) -> ComplianceCurve:
     return ComplianceCurve(method=curve.method, support=curve.support, **arrays, error=error)
 
 
-def write_stiffness(results: Results, out: Path, engagements: Sequence[Engagement] | None = None) -> Path:
+def write_stiffness(results: Results, out: Path, engagements: Sequence[Engagement] | None = None, widths: Sequence[WidthLoad] = ()) -> Path:
     """Write mesh_stiffness.csv: stiffness, transmission error, load shares and contact pressures over the pinion angle.
 
     Parameters
@@ -110,11 +111,14 @@ def write_stiffness(results: Results, out: Path, engagements: Sequence[Engagemen
         Folder.
     engagements : sequence of Engagement, optional
         One per torque; their rows follow each other.
+    widths : sequence of WidthLoad
+        Loads along the face width of the same engagements, or none of them.
 
     Returns
     -------
     Path
-        The file. Besides the pairs -1, 0 and 1 a pair has a column only if it ever carries load.
+        The file, with the face load factor where loads along the width are given. Besides
+        the pairs -1, 0 and 1 a pair has a column only if it ever carries load.
     """
     several = engagements_of(results) if engagements is None else tuple(engagements)
     columns: dict[str, Array] = {
@@ -131,6 +135,8 @@ def write_stiffness(results: Results, out: Path, engagements: Sequence[Engagemen
         columns[f"contact_pressure_{_pair_name(pair)}_MPa"] = _stack(
             several, lambda one, pair=pair: of_pair(one, one.contact_pressure, pair)
         )
+    if widths:
+        columns["face_load_factor"] = np.concatenate([one.face_load_factor for one in widths])
     return _write(results, Path(out) / "mesh_stiffness.csv", columns)
 
 

@@ -71,7 +71,7 @@ def test_mirrored_leads_do_the_same(mesh, angle) -> None:
 
 
 def test_slices_without_a_lead_are_the_solid_tooth_under_an_even_load(mesh) -> None:
-    """Uniform approach against uniform load: equal within 1 %, and never stiffer the other way."""
+    """Uniform approach against uniform load: their means differ by the square of the unevenness alone."""
     position = path_positions(mesh.flanks, mesh.placement)
     pair = sliced_pair(mesh.flanks, mesh.placement, mesh.compliance, SLICES, position)
     load = np.full(len(position), 125e3)
@@ -79,8 +79,8 @@ def test_slices_without_a_lead_are_the_solid_tooth_under_an_even_load(mesh) -> N
     even = pair.matrix.sum(axis=2).mean(axis=1) * load + mesh.law.approach(load, pair.line)
     ratio = approach / even
     print(f"approach of slices over that under an even load: {ratio.min():.5f} to {ratio.max():.5f}")
-    assert ratio.min() > 0.99
-    assert ratio.max() <= 1.0 + 1e-12
+    # Asked for: 1 %.
+    assert np.abs(ratio - 1.0).max() < 1e-3
 
 
 def test_large_tilt_leaves_part_of_the_width_and_load_closes_it(mesh, angle) -> None:
