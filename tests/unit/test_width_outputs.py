@@ -58,7 +58,7 @@ def test_factor_and_picture_are_those_of_the_slices(small_pair, tmp_path) -> Non
     assert "face_load_factor" not in rows(write_stiffness(dataclasses.replace(results, engagement=loaded), tmp_path))[0]
     left, right = plot_width(small_pair, 50.0, along).axes[:2]
     assert f"{along.face_load_factor.max():.3f}" in left.get_title(loc="left")
-    assert max(line.get_ydata().max() for line in right.lines) == pytest.approx(1e-3 * along.line_load.max(), rel=1e-12, abs=0.0)
+    assert max(np.max(line.get_ydata()) for line in right.lines) == pytest.approx(1e-3 * along.line_load.max(), rel=1e-12, abs=0.0)
     assert write_width_picture(small_pair, 50.0, along, tmp_path).stat().st_size > 20_000
 
 
