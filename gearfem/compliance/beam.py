@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearfem.compliance.castigliano import SHEAR_FACTOR
+from gearfem.compliance.castigliano import SHEAR_FACTOR, chord
 from gearfem.compliance.load_lines import load_lines
 from gearfem.flank import Outline
 from gearfem.flank.outline import FILLET, FLANK
@@ -16,7 +16,7 @@ STATIONS = 2001
 
 
 def beam_deflection(outline: Outline, u: ArrayLike, foot: float, at_crossing: bool = False, plane_strain: bool = False) -> Array:
-    """Return the deflection along the load of a tooth as a beam clamped at a chord, its thickness that of the outline.
+    """Return the deflection along the load of a tooth as a beam clamped at a chord, its thickness that of both sides.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def beam_deflection(outline: Outline, u: ArrayLike, foot: float, at_crossing: bo
     Notes
     -----
     dU/dF of the energy of `trapezoid_compliance`, int M^2/(2 E I) + 6 Q^2/(10 G h) + N^2/(2 E h) dx from the foot up to the
-    load point, with h(x) twice the outline's y. Read at the crossing, the integral ends there: the force moved along its line
+    load point, with h(x) the thickness. Read at the crossing, the integral ends there: the force moved along its line
     to the axis leaves the tooth above free of stress. Bernoulli's beam takes plane sections and a slowly varying thickness,
     which the fillet is not; what it misses is the remainder to finite elements. Derived here.
 
@@ -66,14 +66,13 @@ def beam_deflection(outline: Outline, u: ArrayLike, foot: float, at_crossing: bo
     end = lines.crossing if at_crossing else lines.point[:, 0]
     if not (end > start).all():
         raise InputError("load positions u", lines.u[np.argmin(end)], "loads and crossings above the foot of the beam")
-    height, half = outline.point(np.linspace(foot, lines.u[-1], 4 * STATIONS)).T
+    side = outline.point(np.linspace(foot, lines.u[-1], 4 * STATIONS))
     x = start + np.linspace(0.0, 1.0, STATIONS) * (end - start)[:, None]
-    thickness = 2.0 * np.interp(x, height, half)
+    thickness = np.interp(x, side[:, 0], chord(outline, side))
     transverse, axial = np.abs(lines.direction[:, 1:]), -lines.direction[:, :1]
     # Moment of the force about the axis at x: zero at the crossing, whichever point of the line is its point of action.
     moment = transverse * (lines.crossing[:, None] - x)
     modulus = material.plane_strain_modulus if plane_strain else material.youngs_modulus
     energy = 12.0 * moment**2 / (modulus * thickness**3) + axial**2 / (modulus * thickness)
     energy += SHEAR_FACTOR * transverse**2 / (material.shear_modulus * thickness)
-    deflection: Array = np.trapezoid(energy, x, axis=1)
-    return deflection
+    return np.asarray(np.trapezoid(energy, x, axis=1))

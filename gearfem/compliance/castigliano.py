@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 from scipy.special import hyp2f1
 
 from gearfem.compliance.record import ComplianceCurve
+from gearfem.compliance.section_mesh import unworn
 from gearfem.definition.setup import Material
 from gearfem.flank.outline import FILLET, FLANK, TIP, Outline
 from gearfem.foundation import Array, InputError, Record
@@ -19,6 +20,8 @@ from gearfem.foundation import Array, InputError, Record
 SHEAR_FACTOR = 6.0 / 5.0
 # Bound of the relative error of the closed integrals; see the notes of `trapezoid_compliance`.
 ROUNDING = 1e-14
+# Points between which the idle side of a worn tooth is taken straight: off by 1e-7 of the module.
+IDLE = 8001
 
 
 class TrapezoidBase(Protocol):
@@ -115,7 +118,8 @@ class Castigliano(Record):
         """
         u = _positions(u)
         points, normals = outline.point(u), outline.normal(u)
-        base_height, base_half = outline.point(self.base.parameter(outline))
+        base = outline.point(self.base.parameter(outline))
+        base_height = base[0]
         transverse, axial = normals[:, 1], normals[:, 0]
         # On the tip's end the load runs along the axis and crosses the centreline at the gear's centre.
         crosses = transverse > 1e-12
@@ -124,8 +128,8 @@ class Castigliano(Record):
         keep = np.flatnonzero(crosses)[(crossing > base_height) & (points[crosses, 0] > base_height)]
         parts = trapezoid_compliance(
             length=points[keep, 0] - base_height,
-            load_chord=2.0 * points[keep, 1],
-            base_chord=2.0 * base_half,
+            load_chord=chord(outline, points[keep]),
+            base_chord=chord(outline, base),
             angle=np.arctan2(axial[keep], transverse[keep]),
             material=outline.gear.material,
         )
@@ -153,6 +157,14 @@ class Castigliano(Record):
             shows beside the other methods, not here.
         """
         return np.full(len(self.curve(outline, u).u), ROUNDING)
+
+
+def chord(outline: Outline, place: Array) -> Array:
+    """Return the thickness of a tooth across its axis [m] at points of its described side, shape (..., 2) -> (...)."""
+    if not outline.worn:
+        return np.asarray(2.0 * place[..., 1])
+    x, y = unworn(outline).point(np.linspace(1.0, 5.0, IDLE)).T
+    return np.asarray(place[..., 1] + np.interp(place[..., 0], x, y))
 
 
 def trapezoid_compliance(

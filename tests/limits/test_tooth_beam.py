@@ -25,6 +25,8 @@ def outline(coal_combine) -> Outline:
 class Straight:
     """An outline with straight sides between its foot and its load, for a beam whose exact deflection is known."""
 
+    worn = False
+
     def __init__(self, outline: Outline) -> None:
         self.gear, self._true = outline.gear, outline
         self._foot, self._load = outline.point(2.0), outline.point(3.0)
