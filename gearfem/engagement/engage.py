@@ -199,8 +199,8 @@ def _contact_pressure(mesh: Mesh, contacts: Contacts, line_load: Array) -> Array
     """Return the largest pressure on each pair [Pa] under line loads [N/m], shape (n, p)."""
     pair = mesh.placement.pair
     law = EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material)
-    line, lead = mesh.system(contacts).line, mesh.lead
-    touching = line_load > 0.0
+    lead, touching, surface = mesh.lead, line_load > 0.0, np.zeros_like(line_load)
+    line = Line(contacts.flank_radius, surface, surface, contacts.edge, contacts.edge_radius)
     largest = line_load if lead is None else line_load * lead.peak_at(mesh.position(contacts), line_load)
     pressure = np.zeros_like(line_load)
     pressure[touching] = largest_pressure(law, largest[touching], Line(*(values[touching] for values in line)))
