@@ -20,10 +20,10 @@ import numpy as np
 from common import HERE, print_table, write_rows
 
 from gearfem import load_model
-from gearfem.compliance import PlaneStrain, make_compliance
+from gearfem.compliance import Bore, PlaneStrain, make_compliance
 from gearfem.compliance.elasticity import stiffness
 from gearfem.compliance.load_lines import LoadLines, forces
-from gearfem.compliance.ring import Ring, one_thread
+from gearfem.compliance.ring import one_thread
 from gearfem.compliance.section_mesh import SectionMesh, sector_mesh
 from gearfem.contact import EdgedLine, Line
 from gearfem.definition.setup import Setup
@@ -160,7 +160,7 @@ class ContactModel:
         for outline, section, load, sense in zip(self.outlines, self.sections, (cells.load1, cells.load2), (-1, 1), strict=True):
             with one_thread():
                 used = np.flatnonzero(np.any(load != 0.0, axis=1).reshape(2, -1).any(axis=0))
-                ring = Ring(section, stiffness(section.mesh, PlaneStrain(), outline.gear.material), outline.gear.teeth, used)
+                ring = Bore().structure(section, stiffness(section.mesh, PlaneStrain(), outline.gear.material), outline.gear.teeth, used)
                 tables = dict(zip(OFFSETS, ring.coupling(load, OFFSETS), strict=True))
                 tables[0] = load.T @ ring.displacements(load, (0,))[0]
             for offset in np.unique(sense * apart):
