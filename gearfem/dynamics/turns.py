@@ -156,7 +156,8 @@ def march_turns(
     off: the gaps of worn, late or eccentric teeth act inside the contact, and e is the lag itself. That is exact for two free
     inertias but for one thing: tables and ripples are read at the mean rotation, not at psi1, which leads or lags it by some
     e m2/((m1 + m2) r_b1), below 1e-3 pitches for stiff gears; torque ripples that make the speed itself vary shift
-    the angle axis by as much as they turn the shaft.
+    the angle axis by as much as they turn the shaft. The inertias share a ripple, however slow, where `slow_torque`, whose gears
+    are held to their speed, passes it on whole.
 
     Damping: P = sum F + D (e' - g'), D = 2 zeta sqrt(C M), g' the rate of the gaps by load, C from `mean_stiffness`; shared among
     the pairs as their loads are, and never pulling. Back flanks touch at the normal backlash with the stiffness C on the base
