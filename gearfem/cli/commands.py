@@ -36,8 +36,23 @@ _support = click.option(
 )
 
 
+def _keep_effects(context: click.Context, option: click.Parameter, files: tuple[str, ...]) -> None:
+    """Keep the files of effects for the reading of the model."""
+    context.meta["gearfem.effects"] = files
+
+
+_effects = click.option(
+    "--effects",
+    multiple=True,
+    metavar="FILE",
+    expose_value=False,
+    callback=_keep_effects,
+    help="A Python file with effects of your own, which the model may name in [[effect]]; it is run. May be repeated.",
+)
+
+
 def _model_command(command: Command) -> Command:
-    return _model(_out(_sets(command)))
+    return _model(_out(_sets(_effects(command))))
 
 
 def _load(model: str, overrides: tuple[str, ...]) -> Setup:
@@ -45,7 +60,12 @@ def _load(model: str, overrides: tuple[str, ...]) -> Setup:
 
     # A refusal that only computing can find names the model too: the group adds it.
     click.get_current_context().find_root().obj = f"{model} with overrides" if overrides else model
-    return load_model(model, overrides)
+    files = click.get_current_context().meta.get("gearfem.effects", ())
+    if not files:
+        return load_model(model, overrides)
+    from gearfem.effects.catalogue import effects_from
+
+    return load_model(model, overrides, effects=[kind for file in files for kind in effects_from(file)])
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -94,9 +94,10 @@ def effects_from(path: str | Path) -> list[type[Effect]]:
         sys.modules[name] = importlib.util.module_from_spec(spec)
         try:
             spec.loader.exec_module(sys.modules[name])
-        except BaseException:
+        except Exception as error:
             del sys.modules[name]
-            raise
+            found = " ".join(f"{type(error).__name__}: {error}".split())
+            raise InputError("effect file", found, "a Python file that runs", str(path)) from error
     kinds = effects_of(sys.modules[name])
     if not kinds:
         raise InputError("effect file", f"{path} without an effect", "a file with a subclass of gearfem.effects.Effect that has a name")
