@@ -111,8 +111,8 @@ def crack_table(
     The crack starts where the tangent of the fillet on the described side stands at 30 degrees to the tooth's axis, and runs straight
     through the section of both such points, square to that axis. Its faces touch without friction where a load presses them
     together; gaps and forces still grow in proportion to the load. On both gears of Wojnarowski & Onishchenko (2003) that
-    happens under loads on the lowest 40 % of the flank (cracks of 0.3 of the section; 15 to 20 % at 0.1). Friction, which is not known, would
-    hold the faces there, so that what is added is an upper bound for such loads.
+    happens under loads on the lowest 30 to 40 % of the flank (cracks of 0.3 of the section; 15 to 22 % at 0.1). Friction, which is
+    not known, would hold the faces there, so that what is added is an upper bound for such loads.
 
     The increment is the displacement of the loaded point along its load, with the crack less without it, on one mesh; the
     contact is far from the crack, so that the local depth stays that of the sound tooth.
