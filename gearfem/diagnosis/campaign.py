@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gearfem.definition.model_file import read_tables
 from gearfem.definition.setup import Gear, GearPair, Member, Setup
-from gearfem.diagnosis.faults import Fault, find_faults, refuse_duplicates
+from gearfem.diagnosis.faults import Fault, find_faults, refuse_duplicates, refuse_odd_units
 from gearfem.diagnosis.quantities import QUANTITIES, Quantity
 from gearfem.diagnosis.roles import Role, share_roles
 from gearfem.diagnosis.schema import RecordTable, validate_campaign
@@ -142,6 +142,8 @@ def read_campaign(path: str | Path) -> Campaign:
         remarks += found
     try:
         refuse_duplicates([(record.file, record.value, record.axis) for record in records])
+        slow = [record for record in records if record.quantity.name == "static_transmission_error"]
+        refuse_odd_units([(str(path.parent / r.file), r.quantity.columns[1], r.value[r.keep]) for r in slow])
     except InputError as error:
         raise error.in_file(str(path)) from None
     roles, decisions = share_roles([entry.role for entry in table.record], [(r.quantity, r.pinion_torque, r.pinion_speed) for r in records])

@@ -11,6 +11,7 @@ from scipy.linalg import cho_factor, cho_solve
 from gearfem.diagnosis.bench import Bench, Settings, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.linear import Elimination, eliminate
+from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import Noise, measure_noise
 from gearfem.diagnosis.nuisances import Nuisance, moved_settings, nuisances_of, slopes
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
@@ -161,6 +162,11 @@ def compare(campaign: Campaign, bench: Bench, scatter: Scatter | None = None, pr
     -------
     Comparison
 
+    Raises
+    ------
+    InputError
+        If a record is in another unit than it says, or taken at another speed.
+
     Notes
     -----
     Gauss and Newton's method on |whitened residual|^2 + |nuisances in prior deviations|^2. Offsets, scales, angle zero and index
@@ -168,6 +174,7 @@ def compare(campaign: Campaign, bench: Bench, scatter: Scatter | None = None, pr
     linear. After the first fit the noise is measured again on what the model leaves.
     """
     records = campaign.of("fit")
+    refuse_magnitudes(campaign, bench)
     teeth = scatter or Scatter()
     noises = tuple(measure_noise(record, campaign.setup.pair) for record in records)
     fit = _Fit(campaign, records, bench, teeth, noises)

@@ -130,6 +130,41 @@ def _copied(value: Array, axis: Array, first: Array, first_axis: Array) -> bool:
     return size > 0.0 and 1.0 - float(one @ two) / size < COPY
 
 
+def refuse_odd_units(records: list[tuple[str, str, Array]]) -> None:
+    """Refuse a slow record whose signal and whose noise are both another power of ten than those of its siblings.
+
+    Parameters
+    ----------
+    records : list of (str, str, ndarray)
+        File, column and values of the slow transmission errors of a campaign.
+
+    Raises
+    ------
+    InputError
+        Naming the record and the power.
+
+    Notes
+    -----
+    One instrument has one noise, whatever the torque: third differences of practice records agree within 0.1 decades, their deviations
+    within 0.3. Two siblings at least are needed to say which one is odd.
+    """
+    if len(records) < 3:
+        return
+    rough = np.array([_decades(np.diff(value, 3)) for _, _, value in records])
+    whole = np.array([_decades(value - np.median(value)) for _, _, value in records])
+    for number, (file, column, _) in enumerate(records):
+        others = np.arange(len(records)) != number
+        off, size = rough[number] - np.median(rough[others]), whole[number] - np.median(whole[others])
+        power = round(off)
+        if power and abs(off - power) < 0.25 and abs(size - power) < 0.5:
+            found = f"values and noise 10^{power} times those of the other records"
+            raise InputError(f"column {column}", found, f"values in {column.rpartition('_')[2]}", file)
+
+
+def _decades(value: Array) -> float:
+    return math.log10(max(float(np.median(np.abs(value))), 1e-30))
+
+
 def rows_text(series: Series, rows: NDArray[Any]) -> str:
     """Return rows in words, the first few of many."""
     names = [series.row(int(row)) for row in rows[:5]]

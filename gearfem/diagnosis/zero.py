@@ -45,8 +45,8 @@ def guess_zero(records: tuple[Measurement, ...], bench: Bench, settings: Setting
     for i in chosen:
         record = records[i]
         level = dataclasses.replace(settings, angle_offset=0.0)
-        measured = _lines(record.axis[record.keep], record.value[record.keep], pitch)
-        predicted = _lines(record.axis[record.keep], bench.predict(record, level)[record.keep], pitch)
+        measured = mesh_lines(record.axis[record.keep], record.value[record.keep], pitch)
+        predicted = mesh_lines(record.axis[record.keep], bench.predict(record, level)[record.keep], pitch)
         turned = predicted * np.exp(2j * math.pi * np.outer(shifts, np.arange(1, HARMONICS + 1)) / pitch)
         misfit += (np.abs(turned - measured) ** 2).sum(axis=1) / (deviations[i] ** 2 + 0.01 * float((np.abs(measured) ** 2).sum()))
     lowest = argrelmin(misfit, mode="wrap")[0]
@@ -54,8 +54,20 @@ def guess_zero(records: tuple[Measurement, ...], bench: Bench, settings: Setting
     return [float(shifts[place]) for place in order[:GUESSES]]
 
 
-def _lines(angle: Array, value: Array, pitch: float) -> NDArray[np.complex128]:
-    """Return the complex lines of the mesh, its shafts' slow course fitted beside them."""
+def mesh_lines(angle: Array, value: Array, pitch: float) -> NDArray[np.complex128]:
+    """Return the first complex lines of the mesh, the slow course of the shafts fitted beside them.
+
+    Parameters
+    ----------
+    angle, value : ndarray, shape (n,)
+        Angles [rad] and values of a record.
+    pitch : float
+        Angular pitch of the pinion [rad].
+
+    Returns
+    -------
+    ndarray of complex, shape (6,)
+    """
     turns = max(1, int((angle[-1] - angle[0]) / pitch / 2.0))
     slow = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, len(angle)), min(turns, 60))
     waves = np.exp(2j * math.pi * np.outer(angle, np.arange(1, HARMONICS + 1)) / pitch)

@@ -13,10 +13,12 @@ from gearfem.diagnosis.bench import Oscillator, Settings, Weights, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.compare import Comparison, compare
 from gearfem.diagnosis.localise import localise
+from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.teeth import Scatter, respond, tooth_columns
 from gearfem.diagnosis.zones import ZONES, in_zones, leading_teeth
-from gearfem.foundation import Array
+from gearfem.foundation import Array, InputError
+from gearfem.foundation.units import RPM
 from gearfem.model import make_setup
 
 SETUP = make_setup(
@@ -61,6 +63,8 @@ class Springs:
         return error[np.arange(len(angle)), best], Weights(pairs=number, pinion=weight, wheel=weight)
 
     def predict(self, record: Measurement, settings: Settings) -> Array:
+        if record.quantity.moving:
+            return accelerated(record.axis, record.pinion_speed)
         return settings.gain * self.shared(record.axis + settings.angle_offset, record.pinion_torque, settings)[0]
 
     def weights(self, angle: Array, torque: float, settings: Settings) -> Weights:
@@ -204,3 +208,43 @@ def test_zones_cover_the_cycle_once() -> None:
     weights = Springs().weights(phase * PITCH, 1e-3, neutral(PAIR)).pinion
     alone = (weights > 0.0).sum(axis=1) == 1
     assert np.mean(alone == inside[:, ZONES.index("single")]) > 0.99
+
+
+def test_a_record_in_nanometres_is_refused() -> None:
+    whole = campaign(1)
+    records = tuple(dataclasses.replace(record, value=1e3 * record.value) for record in whole.records)
+    with pytest.raises(InputError, match=r"te_10.csv: column transmission_error_um.*wrong by 10\^3"):
+        compare(dataclasses.replace(whole, records=records), Springs(), SCATTER)
+
+
+def accelerated(axis: Array, speed: float) -> Array:
+    """Return the pinion's acceleration at a speed [rad/s], rung down from ninety pitches before the record on."""
+    step = axis[1] - axis[0]
+    angle = axis[0] + step * np.arange(-8000, len(axis))
+    slow = Springs().shared(angle, 100.0, neutral(PAIR))[0]
+    return respond(slow[:, None], step / speed, Springs().oscillator(100.0, neutral(PAIR)), acceleration=True)[8000:, 0]
+
+
+def shaken(speed: float, stated: float) -> Measurement:
+    """Return a record of the acceleration at one speed [rad/s] that states another one."""
+    axis = np.arange(3000) * PITCH / 90.0
+    return Measurement(
+        file="acc.csv",
+        quantity=QUANTITIES["pinion_angular_acceleration"],
+        axis=axis,
+        value=accelerated(axis, speed) + np.random.default_rng(1).normal(0.0, 0.1, 3000),
+        line=np.arange(3000),
+        keep=np.ones(3000, bool),
+        pinion_torque=100.0,
+        pinion_speed=stated,
+        noise_std=0.1,
+    )
+
+
+def test_a_speed_that_no_mesh_line_fits_is_refused() -> None:
+    whole = campaign(1)
+    right = dataclasses.replace(whole, angle_known=True, records=(shaken(60.0, 60.0),))
+    refuse_magnitudes(right, Springs())
+    wrong = dataclasses.replace(right, records=(shaken(60.0, 60.0 * RPM),))
+    with pytest.raises(InputError, match=r"pinion_speed_rpm.*given in rad/s"):
+        refuse_magnitudes(wrong, Springs())

@@ -212,3 +212,10 @@ def test_a_flank_may_have_gaps_but_not_metres(campaign: Callable[..., Campaign])
     assert read.records[0].keep.all()
     with pytest.raises(InputError, match="roll lengths from the base circle"):
         campaign(flank, a=table(roll / 1e3, 0.0 * roll, "roll_length_mm,deviation_um"))
+
+
+@pytest.mark.parametrize("power", [-3, -1, 1, 3])
+def test_a_record_in_another_power_of_ten_is_refused(campaign: Callable[..., Campaign], power: int) -> None:
+    wrong = table(ANGLE, 10.0**power * curve(3, ANGLE, 90.0))
+    with pytest.raises(InputError, match=rf"c.csv: column transmission_error_um.*10\^{power} times"):
+        campaign(static("a", 20.0), static("b", 60.0), static("c", 90.0), a=te(1, 20.0), b=te(2, 60.0), c=wrong)

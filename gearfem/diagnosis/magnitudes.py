@@ -1,0 +1,131 @@
+"""Wrong units and wrong speeds: records whose size or mesh lines belong to another power of ten, or to another speed."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearfem.diagnosis.bench import Bench, Oscillator, neutral
+from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.zero import HARMONICS, mesh_lines
+from gearfem.foundation import Array, InputError
+from gearfem.foundation.units import RPM
+
+# Decades below and above the model's lines. Heavy wear makes them a hundredfold at low torque, relief at its design load a tenth.
+FAR = (1.85, 2.5)
+FAR_STIFFNESS = (0.6, 0.6)
+# What a wrong unit of speed multiplies it by: rad/s, Hz or degrees per second taken for rpm and back, a decade, the other shaft.
+SPEEDS = {"rad/s": 30.0 / math.pi, "Hz": 60.0, "a tenth": 10.0, "ten times": 0.1, "rpm for rad/s": math.pi / 30.0}
+# Effects move lines by factors up to e or so; a speed is refused only where they fit no better than by e^1.2, and another one within e^0.5.
+MISFIT, FIT = 1.2, 0.5
+
+
+def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
+    """Refuse records that are far from the model by their size, or nearer to it at another unit of their speed.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Only records of role "fit" are looked at.
+    bench : Bench
+        The model.
+
+    Raises
+    ------
+    InputError
+        Naming the record, its column or key, and the power of ten or the speed that would fit.
+    """
+    for number, record in enumerate(campaign.records, 1):
+        if record.role != "fit" or record.quantity.axis != "angle":
+            continue
+        # A wrong speed changes the size of accelerations by its square: it is asked about first.
+        if record.quantity.moving:
+            _check_speed(record, bench, f"record[{number}] ({record.file}).pinion_speed_rpm", campaign.path)
+        _check_size(record, bench)
+
+
+def _check_size(record: Measurement, bench: Bench) -> None:
+    predicted = bench.predict(record, neutral(bench.pair))
+    if record.quantity.name == "mesh_stiffness":
+        ratio = float(np.median(np.abs(record.value[record.keep]))) / float(np.median(predicted))
+    else:
+        ratio = _size(record, record.value, bench) / _size(record, predicted, bench)
+    decades = math.log10(max(ratio, 1e-12))
+    below, above = FAR_STIFFNESS if record.quantity.name == "mesh_stiffness" else FAR
+    if not -below < decades < above:
+        column = record.quantity.columns[1]
+        power = round(decades) or int(math.copysign(1, decades))
+        found = f"mesh lines of {ratio:.3g} times those of the model, as if the unit were wrong by 10^{power}"
+        raise InputError(f"column {column}", found, f"values in {record.quantity.unit}, or a model of this pair", record.file)
+
+
+def _size(record: Measurement, value: Array, bench: Bench) -> float:
+    return float(np.linalg.norm(_lines(record, value, bench)))
+
+
+def _lines(record: Measurement, value: Array, bench: Bench) -> Array:
+    return np.abs(mesh_lines(record.axis[record.keep], value[record.keep], bench.pair.pinion.pitch_angle))
+
+
+def _check_speed(record: Measurement, bench: Bench, where: str, path: str) -> None:
+    """Refuse a speed at which the lines do not fit, where another unit of it fits well.
+
+    The lines of the slow transmission error pass the oscillator of the mean stiffness: within a factor of two of the motion itself, which
+    is enough to tell speeds ten times apart.
+    """
+    misfits = speed_misfits(record, bench)
+    own = misfits.pop("rpm")
+    word = min(misfits, key=lambda key: misfits[key])
+    if own > MISFIT and misfits[word] < FIT:
+        rpm = record.pinion_speed / RPM
+        found = f"{rpm:g}, at which no mesh line fits; all do at {rpm * SPEEDS[word]:.4g} rpm (given in {word}?)"
+        raise InputError(where, found, "the speed at which the record was taken, in rpm", path)
+
+
+def speed_misfits(record: Measurement, bench: Bench) -> dict[str, float]:
+    """Return how far the mesh lines are from the model's, as the root mean square of their logarithms' ratio, for units of the speed.
+
+    Parameters
+    ----------
+    record : Measurement
+        Taken at speed.
+    bench : Bench
+        The model.
+
+    Returns
+    -------
+    dict
+        By unit, "rpm" for the speed as it is; 0 where no line stands out of the noise.
+    """
+    settings = neutral(bench.pair)
+    slow = dataclasses.replace(record, quantity=QUANTITIES["static_transmission_error"])
+    unknown = dict.fromkeys(("rpm", *SPEEDS), 0.0)
+    try:
+        lines = _lines(record, bench.predict(slow, settings), bench)
+    except InputError:
+        # A ripple above the mean torque: the slow gears would part, and the lines at speed are no image of theirs.
+        return unknown
+    oscillator = bench.oscillator(record.pinion_torque, settings)
+    measured = _lines(record, record.value, bench)
+    noise = measure_noise(record, bench.pair).std * math.sqrt(2.0 / len(record.axis))
+    plain = (measured > 5.0 * noise) & (lines > 0.02 * lines.max())
+    if not plain.any():
+        return unknown
+    out = {}
+    for word, scale in {"rpm": 1.0, **SPEEDS}.items():
+        rate = bench.pair.pinion.teeth * record.pinion_speed * scale * np.arange(1.0, HARMONICS + 1.0)
+        predicted: Array = lines * _response(rate, oscillator, record.quantity.name == "pinion_angular_acceleration")
+        out[word] = float(np.sqrt(np.mean(np.log(measured[plain] / predicted[plain]) ** 2)))
+    return out
+
+
+def _response(rate: NDArray[Any], oscillator: Oscillator, acceleration: bool) -> Array:
+    part = rate / oscillator.frequency
+    gain = 1.0 / np.abs(1.0 - part**2 + 2j * oscillator.ratio * part)
+    return np.asarray(gain * (oscillator.acceleration * rate**2 if acceleration else 1.0))
