@@ -193,6 +193,18 @@ def test_curves_of_single_pairs_against_all_slices_at_once(mesh, angle, shape, s
         assert shares < share
 
 
+@pytest.mark.parametrize(
+    "shape", [TILT, lambda place: -place, CROWN, lambda place: np.maximum(np.abs(place) - 0.4, 0.0), lambda z: 1.0 * (z > 0)]
+)
+def test_every_lead_has_its_solution_at_every_load(mesh, angle, shape) -> None:
+    """From a thousandth of a nanometre to several deflections: tilts, crowning, end relief and a step."""
+    for size in (1e-12, 1e-7, 5e-5):
+        lead = with_lead(mesh, lambda place, size=size: size * shape(place))
+        loaded = [engage(lead, angle[::4], torque) for torque in (1e-3, 1.0, 50.0, 400.0)]
+        assert (np.diff([one.transmission_error for one in loaded], axis=0) > 0.0).all()
+        assert all((one.mesh_stiffness > 0.0).all() for one in loaded)
+
+
 @pytest.mark.parametrize("change", [{"count": 3}, {"positions": 1}])
 def test_too_few_slices_are_refused(change) -> None:
     with pytest.raises(InputError):
