@@ -23,6 +23,13 @@ def _measured_flanks(values: Values) -> str:
     )
 
 
+def _effects(values: Values) -> str:
+    return (
+        "The slowly turning gears under the operation torque, without and with the effects that the model names, over the turns of the "
+        "pinion that bring every tooth of both gears into contact. The assumptions hold one sentence for each effect."
+    )
+
+
 def _compliance(values: Values) -> str:
     text = (
         "Deflection along the load line, where that line crosses the tooth's centreline, for 1 N per mm of face width. "
@@ -121,6 +128,7 @@ def _dynamic_factor(values: Values) -> str:
 CAPTIONS: dict[str, tuple[str, Callable[[Values], str]]] = {
     "pair": ("Teeth in engagement", _pair),
     "measured_flanks": ("Measured flanks", _measured_flanks),
+    "effects": ("Effects", _effects),
     "compliance": ("Tooth compliance", _compliance),
     "mesh_stiffness": ("Mesh stiffness", _stiffness),
     "load_share": ("Load sharing", _load_share),

@@ -15,6 +15,7 @@ from gearfem.foundation.units import MM, N_PER_UM, UM, UM_PER_N_PER_MM
 from gearfem.pipeline import Results
 from gearfem.report import style
 from gearfem.report.drawing import plot_pair
+from gearfem.report.effect_plots import has_effects, plot_effects
 from gearfem.report.flank_plots import plot_measured_flanks
 from gearfem.report.summary import iso_stiffness, need
 from gearfem.report.tables import compliance_curves, share_of
@@ -296,6 +297,7 @@ def _keep_readable(axis: Axes, shown: list[Array]) -> None:
 PICTURES: dict[str, tuple[Callable[[Results], Figure], Callable[[Results], bool]]] = {
     "pair": (plot_pair, lambda results: True),
     "measured_flanks": (plot_measured_flanks, lambda results: bool(results.setup.flanks_given)),
+    "effects": (plot_effects, has_effects),
     "compliance": (plot_compliance, lambda results: results.compliance is not None),
     "mesh_stiffness": (plot_stiffness, lambda results: results.engagement is not None),
     "load_share": (plot_load_share, lambda results: results.engagement is not None),

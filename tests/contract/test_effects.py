@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 from gearfem import InputError, make_setup
 from gearfem.definition.setup import Setup
@@ -18,7 +19,8 @@ from gearfem.dynamics import make_drive
 from gearfem.effects import Effect
 from gearfem.effects.catalogue import catalogue, effects_from, in_history
 from gearfem.foundation import Array, Record
-from gearfem.pipeline import assemble
+from gearfem.pipeline import assemble, run
+from gearfem.report.effect_plots import has_effects, plot_effects
 from gearfem.sensing import System, observe, requests
 
 MODEL = {
@@ -185,3 +187,36 @@ def test_effects_outside_the_package_are_found_by_their_file_alone():
     (kind,) = effects_from(OUTSIDE)
     assert kind.name not in catalogue()
     assert len(OUTSIDE.read_text().splitlines()) < 60
+    readme = Path(__file__).parents[2] / "README.md"
+    assert OUTSIDE.read_text() in readme.read_text()
+
+
+def test_an_effect_from_outside_gets_its_row_and_picture_in_the_report():
+    burr = KNOWN["burr"].example(rig(), "wheel", 7)
+    results = run(make_setup({**MODEL, "effect": [burr.table()]}, effects=[KNOWN["burr"]]), until="compliance")
+    assert f"Effect: {burr.describe()}." in results.assumptions
+    assert has_effects(results)
+    before, after = (line.get_ydata() for line in plot_effects(results).axes[0].get_lines())
+    # The wheel's tooth comes early: it runs ahead by up to the height of the burr.
+    assert -3.0 * 2.0 <= (after - before).min() < -1.0
+
+
+def test_an_effect_from_outside_is_recovered_by_fitting_within_its_bounds():
+    """Least squares over its declared parameters, from its typical values: all that a fit needs is in the class."""
+    kind = KNOWN["burr"]
+    fields = kind.parameters()
+    bounds = np.array([known.bounds(rig(), "pinion") for known in fields.values()])
+    start = np.array([known.typically(rig(), "pinion") for known in fields.values()])
+    true = start * (1.6, 0.8)
+    angle = np.linspace(-1.0, 1.5, 150) * math.pi / 10.0
+
+    def reading(values: Array) -> Array:
+        effect = kind(gear="pinion", tooth=0, **dict(zip(fields, values, strict=True)))
+        request = requests()["static_transmission_error"](axis=angle, pinion_torque=20.0)
+        return observe(assemble(rig(), [effect]), request)
+
+    measured = reading(true)
+    fit = least_squares(
+        lambda part: (reading(part * start) - measured) * 1e6, np.ones(2), bounds=(bounds / start[:, None]).T, diff_step=1e-3
+    )
+    assert fit.x * start == pytest.approx(true, rel=1e-3, abs=0.0)
