@@ -297,6 +297,8 @@ def march(
                     desk, matrix, work, right,
                 )
                 # fmt: on
+                if not abs(f) < np.inf:
+                    return np.nan
                 error[sample], force[sample] = es, f
                 acceleration[sample] = (torque1 + wave(waves1, q * pitch)[0] - m1) / inertia1
                 sample, moved = sample + 1, True

@@ -28,7 +28,7 @@ SEARCH, SECTIONS, ROUNDS = 200, 128, 3
 # Change of the logarithm of the radius over a cell from which on the cell is divided.
 BEND, MOST_PARTS = 0.03, 8
 # A contact point that moves this many times farther in a step than the median has jumped.
-JUMP = 8.0
+JUMP = 5.0
 GONE = 1.0
 # Levels of samples below the tabulated ones, and Newton steps from them: the slope is taken where the last step, squared, ends.
 BELOW, MOST_NEWTON, CLOSE = 8, 30, 1e-6
@@ -223,6 +223,9 @@ def _spans(mesh: Mesh, number: int) -> tuple[list[Span], Rough]:
     bend[found] = 0.0
     # The two sides of a kink share one end: its width is rounding.
     ends, codes = [x[0], *(0.5 * (low + high)).tolist(), x[-1]], [int(code[0]), *code[found + 1].tolist()]
+    for k in reversed(range(len(codes) - 1)):
+        if ends[k + 1] - ends[k] < FINEST and k > 0:
+            del ends[k], codes[k]
     first, last = np.flatnonzero(codes)[[0, -1]]
     spans = [Span(ends[k], ends[k + 1], (bool(k > first), bool(k < last)), codes[k]) for k in range(first, last + 1)]
     return spans, Rough(x, bend)

@@ -115,7 +115,7 @@ def couple(
     """Fill the compliances between the pairs in reach [m per N/m]: coupling through the bodies, and the common yield of the supports."""
     for j in range(count):
         for k in range(count):
-            matrix[j, k] = yielding * desk[j, LEVER]
+            matrix[j, k] = yielding * desk[j, LEVER] * desk[k, LEVER]
     for j in range(count):
         for apart in range(1, count - j):
             k = j + apart

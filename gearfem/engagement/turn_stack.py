@@ -105,12 +105,13 @@ def make_stack(mesh: Mesh, common: str, kinds: list[str], numbers: Ints) -> Stac
 
 def _kept(key: str, make: Callable[..., Table], *args: Any) -> Table:
     """Return the table of this content, made at need; the last `KEPT` stay."""
-    if key not in _memory:
-        _memory[key] = make(*args)
+    table: Table | None = _memory.get(key)
+    if table is None:
+        table = make(*args)
+    _memory[key] = table
     _memory.move_to_end(key)
     while len(_memory) > KEPT:
         _memory.popitem(last=False)
-    table: Table = _memory[key]
     return table
 
 
