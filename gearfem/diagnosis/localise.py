@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-from collections.abc import Callable
-from typing import Literal
 
 import numpy as np
 
-from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.compare import Compared, Comparison
-from gearfem.diagnosis.zones import PHASES, WORDS, ZONES, in_zones, leading_teeth, order_lines, phase_cells
+from gearfem.diagnosis.comparison import Comparison
+from gearfem.diagnosis.sheets import Domain, Sheet, frequencies, sheets_of
+from gearfem.diagnosis.zones import WORDS
 from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
-from gearfem.foundation.units import RPM
 
-Domain = Literal["mesh_phase", "order", "tooth", "frequency"]
 DRAWS = 300
 CHANCE = 0.01
-HARMONICS = 8.0
-BANDS = 24
-FEWEST = 12
 NAMED = 3
 
 
@@ -112,18 +104,6 @@ class Localisation(Record):
     sentence: str
 
 
-@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
-class _Sheet(Record):
-    """Cells of one map before anything is known of their noise; `measure` takes the whitened residual of all records."""
-
-    record: str
-    domain: Domain
-    part: str
-    label: tuple[str, ...]
-    size: Array
-    measure: Callable[[Array], Array]
-
-
 def localise(
     comparison: Comparison, form: Array | None = None, draws: int = DRAWS, seed: int = 1, progress: Progress = quiet
 ) -> Localisation:
@@ -152,8 +132,8 @@ def localise(
     compared with what the fit leaves of noise. The global test takes the largest of all cells of all maps, so that their number
     needs no further correction.
     """
-    sheets = [sheet for record in comparison.records for sheet in _sheets(record, comparison)]
-    sheets += _frequencies(comparison)
+    sheets = [sheet for record in comparison.records for sheet in sheets_of(record, comparison)]
+    sheets += frequencies(comparison)
     data = [_root(sheet, _white(comparison)) for sheet in sheets]
     rng = np.random.default_rng(seed)
     elimination = comparison.elimination
@@ -189,11 +169,11 @@ def _white(comparison: Comparison) -> Array:
     return np.concatenate([record.white for record in comparison.records])
 
 
-def _root(sheet: _Sheet, white: Array) -> Array:
+def _root(sheet: Sheet, white: Array) -> Array:
     return np.asarray(np.sqrt(sheet.measure(white)))
 
 
-def _map(sheet: _Sheet, root: Array, mean: Array, spread: Array, expected: Array) -> Map:
+def _map(sheet: Sheet, root: Array, mean: Array, spread: Array, expected: Array) -> Map:
     power = root**2
     above = np.maximum(power - expected, 0.0) * sheet.size
     # Zones overlap: their shares are of the last one, which is the whole cycle.
@@ -208,123 +188,6 @@ def _map(sheet: _Sheet, root: Array, mean: Array, spread: Array, expected: Array
         significance=(root - mean) / spread,
         share=np.minimum(above / whole, 1.0) if whole > 0.0 else np.zeros(len(above)),
     )
-
-
-# ---- the maps of one record -----------------------------------------------------------------------------
-
-
-def _sheets(record: Compared, comparison: Comparison) -> list[_Sheet]:
-    measurement = record.measurement
-    if measurement.quantity.axis != "angle":
-        return [_whole(record)]
-    pair = comparison.campaign.setup.pair
-    angle = measurement.axis[measurement.keep] + comparison.settings.angle_offset
-    rows = slice(*record.rows)
-    pinion, wheel = leading_teeth(angle, pair)
-    cells = [
-        _zone_sheet(measurement.file, rows, angle, pair),
-        _cell_sheet(
-            measurement.file, rows, "mesh_phase", "cells", phase_cells(angle, pair), tuple(f"{i / PHASES:.4g}" for i in range(PHASES))
-        ),
-        _cell_sheet(measurement.file, rows, "tooth", "pinion", pinion, tuple(f"pinion:{i}" for i in range(pair.pinion.teeth))),
-        _cell_sheet(measurement.file, rows, "tooth", "wheel", wheel, tuple(f"wheel:{i}" for i in range(pair.wheel.teeth))),
-        _order_sheet(measurement.file, rows, angle, pair),
-    ]
-    return [sheet for sheet in cells if sheet.label]
-
-
-def _whole(record: Compared) -> _Sheet:
-    rows = slice(*record.rows)
-    return _Sheet(
-        record=record.measurement.file,
-        domain="mesh_phase",
-        part="zones",
-        label=("all",),
-        size=np.array([float(rows.stop - rows.start)]),
-        measure=lambda white: np.array([np.mean(white[rows] ** 2)]),
-    )
-
-
-def _zone_sheet(file: str, rows: slice, angle: Array, pair: GearPair) -> _Sheet:
-    inside = in_zones(angle, pair)
-    used = np.flatnonzero(inside.sum(axis=0) >= FEWEST)
-    weight = inside[:, used].astype(float)
-    count = weight.sum(axis=0)
-    return _Sheet(
-        record=file,
-        domain="mesh_phase",
-        part="zones",
-        label=tuple(ZONES[i] for i in used),
-        size=count,
-        measure=lambda white: (white[rows] ** 2) @ weight / count,
-    )
-
-
-def _cell_sheet(file: str, rows: slice, domain: Domain, part: str, cell: Array, names: tuple[str, ...]) -> _Sheet:
-    count = np.bincount(cell, minlength=len(names))
-    used = np.flatnonzero(count >= FEWEST)
-    size = count[used].astype(float)
-    return _Sheet(
-        record=file,
-        domain=domain,
-        part=part,
-        label=tuple(names[i] for i in used),
-        size=size,
-        measure=lambda white: np.bincount(cell, white[rows] ** 2, minlength=len(names))[used] / size,
-    )
-
-
-def _order_sheet(file: str, rows: slice, angle: Array, pair: GearPair) -> _Sheet:
-    """Lines of shafts and mesh; neighbours closer than the record resolves are told apart by nothing, and the strongest stands for them."""
-    turns = float(np.ptp(angle)) / (2.0 * math.pi)
-    highest = min(HARMONICS * pair.pinion.teeth, 0.4 * len(angle) / max(turns, 1e-9))
-    lines = [line for line in order_lines(pair, highest) if line[1] * turns > 0.7]
-    waves = np.exp(-1j * np.outer([order for _, order in lines], angle)) * math.sqrt(2.0 / len(angle))
-    return _Sheet(
-        record=file,
-        domain="order",
-        part="",
-        label=tuple(name for name, _ in lines),
-        size=np.ones(len(lines)),
-        measure=lambda white: np.abs(waves @ white[rows]) ** 2 / 2.0,
-    )
-
-
-def _frequencies(comparison: Comparison) -> list[_Sheet]:
-    """Bands of fixed frequency over all records taken at speed: a resonance of sensor or shaft stands still where orders move."""
-    moving = [r for r in comparison.records if r.measurement.quantity.moving and r.measurement.quantity.axis == "angle"]
-    speeds = {round(r.measurement.pinion_speed / RPM, 3) for r in moving}
-    if len(speeds) < 2:
-        return []
-    rates = [r.measurement.pinion_speed / (2.0 * math.pi) for r in moving]
-    highest = min(
-        0.4 * len(r.white) / (float(np.ptp(r.measurement.axis)) / (2.0 * math.pi)) * rate for r, rate in zip(moving, rates, strict=True)
-    )
-    edges = np.geomspace(max(rates), highest, BANDS + 1)
-    spectra = [np.fft.rfftfreq(len(r.white), float(np.ptp(r.measurement.axis)) / len(r.white) / r.measurement.pinion_speed) for r in moving]
-    band = [np.searchsorted(edges, spectrum) - 1 for spectrum in spectra]
-    count = sum(np.bincount(b[(b >= 0) & (b < BANDS)], minlength=BANDS) for b in band)
-
-    def measure(white: Array) -> Array:
-        total = np.zeros(BANDS)
-        for record, cell in zip(moving, band, strict=True):
-            part = white[slice(*record.rows)]
-            power = np.abs(np.fft.rfft(part)) ** 2 / len(part)
-            inside = (cell >= 0) & (cell < BANDS)
-            total += np.bincount(cell[inside], power[inside], minlength=BANDS)
-        return np.asarray(total / np.maximum(count, 1))
-
-    middle = np.sqrt(edges[1:] * edges[:-1])
-    return [
-        _Sheet(
-            record="speeds",
-            domain="frequency",
-            part="",
-            label=tuple(f"{f:.4g}" for f in middle),
-            size=np.asarray(count, float),
-            measure=measure,
-        )
-    ]
 
 
 # ---- in words -------------------------------------------------------------------------------------------

@@ -11,7 +11,8 @@ import pytest
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Oscillator, Settings, Weights, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.compare import Comparison, compare
+from gearfem.diagnosis.compare import compare
+from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.localise import localise
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.quantities import QUANTITIES
