@@ -221,7 +221,7 @@ def _check_angle(series: Series, quantity: Quantity, pair: GearPair) -> None:
         "angles of the wheel": pair.ratio,
     }
     own = _mesh_share(series, 1.0, pitch)
-    for word, scale in readings.items():
+    for word, scale in readings.items() if own < 0.2 else ():
         other = _mesh_share(series, scale, pitch)
         if abs(scale - 1.0) > 0.02 and other > 0.5 and own < 0.2 * other:
             found = f"a mesh line that fits {word} ({other:.0%} of the variation; {own:.0%} for radians of the pinion)"
@@ -234,15 +234,16 @@ def _mesh_share(series: Series, scale: float, pitch: float) -> float:
     cycles = float(np.ptp(phase)) / (2.0 * math.pi)
     if cycles < 4.0 or len(phase) < 6.0 * cycles:
         return 0.0
+    slow = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, len(phase)), min(max(2, int(cycles / 2.0)), 40))
     wave = np.exp(1j * phase[:, None] * np.arange(1, 4))
-    slow = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, len(phase)), max(2, int(cycles / 2.0)) if cycles < 80 else 40)
-    basis, _ = np.linalg.qr(slow)
-    fast = series.value - basis @ (basis.T @ series.value)
-    columns = np.column_stack([wave.real, wave.imag])
-    columns -= basis @ (basis.T @ columns)
-    left = fast - columns @ np.linalg.lstsq(columns, fast, rcond=None)[0]
-    size = float(fast @ fast)
-    return 1.0 - float(left @ left) / size if size > 0.0 else 0.0
+    fast, left = (_remainder(columns, series.value) for columns in (slow, np.column_stack([slow, wave.real, wave.imag])))
+    return 1.0 - left / fast if fast > 0.0 else 0.0
+
+
+def _remainder(columns: NDArray[Any], value: Array) -> float:
+    """Return the sum of squares that columns leave; their normal equations are well enough conditioned for a share."""
+    fitted = np.linalg.lstsq(columns.T @ columns, columns.T @ value, rcond=None)[0]
+    return float(np.sum((value - columns @ fitted) ** 2))
 
 
 def _check_speed(series: Series, quantity: Quantity) -> None:
