@@ -12,10 +12,9 @@ from gearfem.compliance.foreign import check_mesh, foreign_curve
 from gearfem.compliance.mesh_file import read_mesh
 from gearfem.compliance.mesh_writing import FORMATS, format_of, write_section, write_solid
 from gearfem.definition.setup import Member, Setup
-from gearfem.flank import make_flanks
 from gearfem.foundation import InputError
 from gearfem.foundation.units import UM_PER_N_PER_MM
-from gearfem.pipeline import Results
+from gearfem.pipeline import Results, flanks_of
 from gearfem.report import write_compliance
 
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
@@ -71,7 +70,7 @@ def write(setup: Setup, files: dict[Member, Path], support: str, dimension: int,
     InputError
         If the resolution is below the least of the method.
     """
-    flanks, held = make_flanks(setup), SUPPORTS[support]()
+    flanks, held = flanks_of(setup), SUPPORTS[support]()
     lines = []
     for member, path in files.items():
         outline = flanks.pinion if member == "pinion" else flanks.wheel
@@ -109,7 +108,7 @@ def compliance(setup: Setup, out: Path, file: Path, member: Member) -> Done:
     InputError
         If the file cannot be read or its mesh is not one of this gear.
     """
-    flanks = make_flanks(setup)
+    flanks = flanks_of(setup)
     outline = flanks.pinion if member == "pinion" else flanks.wheel
     positions = load_positions(outline)
     positions = positions[positions <= 3.0]

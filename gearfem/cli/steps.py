@@ -29,14 +29,15 @@ from gearfem.compliance.body import BodyCompliance
 from gearfem.compliance.record import ComplianceCurve
 from gearfem.compliance.solid_curve import QUICK
 from gearfem.definition.setup import GearPair, Member, Setup
+from gearfem.effects import Effect
 from gearfem.engagement.carpet import error_carpet
 from gearfem.engagement.engage import engage
 from gearfem.engagement.width_load import load_over_width
-from gearfem.flank import Flanks, Outline, make_flanks
+from gearfem.flank import Flanks, Outline
 from gearfem.foundation import Array, InputError
 from gearfem.foundation.progress import Progress
 from gearfem.foundation.units import N_PER_MM_UM, UM_PER_N_PER_MM
-from gearfem.pipeline import Results
+from gearfem.pipeline import Results, flanks_of
 from gearfem.pipeline import run as run_chain
 from gearfem.report import (
     Rendering,
@@ -115,7 +116,7 @@ def compliance(setup: Setup, out: Path, support: str, solid: bool, progress: Pro
     progress : Progress
         Told how far the work is.
     """
-    flanks = make_flanks(setup)
+    flanks = flanks_of(setup)
     held = SUPPORTS[support]()
     methods: list[FiniteElements | Castigliano | SolidCurve] = [
         FiniteElements(plane=PlaneStrain(), support=held),
@@ -137,6 +138,9 @@ def compliance(setup: Setup, out: Path, support: str, solid: bool, progress: Pro
     progress("compliance", len(jobs), len(jobs))
     if whole and not solid:
         lines.append("fe_3d is left out: the whole gears as solids take minutes, --solid asks for them")
+    beyond = [effect.name for effect in setup.effects if isinstance(effect, Effect) and effect.stage == "compliance"]
+    if beyond:
+        lines.append(f"the methods are compared on gears without {' and '.join(beyond)}; gearfem run and stiffness have it in")
     results = Results(setup=setup, flanks=flanks, comparison=tuple(curves), assumptions=setup.assumptions)
     parts = _bodies(flanks)
     return Done(
@@ -192,7 +196,7 @@ def dynamics(setup: Setup, out: Path, progress: Progress) -> Done:
 
 def render(setup: Setup, out: Path, members: Sequence[str], progress: Progress) -> Done:
     """Draw the loaded teeth."""
-    flanks = make_flanks(setup)
+    flanks = flanks_of(setup)
     lines, files = [], []
     for number, member in enumerate(member for member in MEMBERS if member in members):
         progress("rendering", number, len(members))

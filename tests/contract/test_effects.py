@@ -103,13 +103,13 @@ def stated(system: System, stage: str) -> object:
     return {"contact": system.law, "flank": system.flanks, "sensing": system.instrument}.get(stage) or getattr(system, stage)
 
 
-@pytest.mark.parametrize(("name", "member"), EFFECTS)
+@pytest.mark.parametrize(("name", "member"), EACH)
 def test_neutral_strength_gives_the_baseline_bit_for_bit(name, member):
     neutral, baseline = readings(at(name, member, 0.0)), readings()
     assert [key for key in baseline if not np.array_equal(neutral[key], baseline[key])] == []
 
 
-@pytest.mark.parametrize(("name", "member"), SLOW_LEADS)
+@pytest.mark.parametrize(("name", "member"), EACH)
 def test_typical_strength_shows_somewhere_and_only_where_it_can(name, member):
     changed, baseline = readings(at(name, member, 1.0)), readings()
     shown = {key for key in baseline if np.abs(changed[key] - baseline[key]).max() > 1e-4 * np.abs(baseline[key]).max()}
