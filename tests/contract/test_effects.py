@@ -139,7 +139,7 @@ def rms(values: Array) -> float:
     return math.sqrt(float(np.mean(values**2)))
 
 
-@pytest.mark.parametrize("stage", ["flank", "placement", "contact", "drive", "sensing"])
+@pytest.mark.parametrize("stage", ["flank", "compliance", "placement", "contact", "drive", "sensing"])
 def test_effects_of_a_stage_commute(stage):
     """Or their order is that of the part's history, whatever order they are given in."""
     kinds = [(name, member) for name, member in EFFECTS if KNOWN[name].stage == stage]

@@ -39,14 +39,12 @@ def table(path: Path, column: str) -> np.ndarray:
     return np.array([float(line.split(",")[place]) for line in lines[1:]])
 
 
-@pytest.mark.parametrize(
-    ("command", "file", "column"),
-    [("stiffness", "mesh_stiffness.csv", "transmission_error_um"), ("kinematics", "kinematics.csv", "gear_ratio")],
-)
-def test_the_slow_commands_follow_effects_of_one_tooth_and_of_all(tmp_path, command, file, column):
-    plain, relieved, late = (table(call(tmp_path, command, *effects)[0] / file, column) for effects in ((), (RELIEF,), (RELIEF, LATE)))
-    assert abs(relieved.max() - plain.max()) > 1e-4 * plain.max()
-    assert abs(late.max() - relieved.max()) > 1e-4 * plain.max()
+def test_commands_follow_effects_of_one_tooth_and_of_all(tmp_path):
+    folders = (call(tmp_path, "kinematics", *effects)[0] for effects in ((), (RELIEF,), (RELIEF, LATE)))
+    plain, relieved, late = (table(folder / "kinematics.csv", "gear_ratio") for folder in folders)
+    # Rows differ in number with the pairs in contact; their spread does not depend on that.
+    assert abs(relieved.std() - plain.std()) > 0.01 * plain.std()
+    assert abs(late.std() - relieved.std()) > 0.01 * plain.std()
 
 
 def test_the_elastic_model_runs_over_whole_turns_where_teeth_differ():
