@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.linear import Elimination, eliminate
+from gearfem.diagnosis.marginal import Marginal, marginal, profile
 from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import Nuisance, moved_settings, nuisances_of, slopes
@@ -20,7 +21,7 @@ from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.pipeline import assemble
 
 FREE = 1.0
-ROUNDS, HALVINGS = 8, 4
+ROUNDS, HALVINGS, SETTLED = 8, 4, 2.0
 DIFFERENCE = 0.03
 
 
@@ -40,8 +41,10 @@ class Point(Record):
         Measured less predicted, whitened, the index errors put back to 0.
     index : ndarray
         The index errors that the prediction holds, among the linear unknowns.
+    weights : ndarray, shape (r,)
+        What a squared whitened row of each record counts here, see `profile`.
     objective : float
-        Least sum of squares of the whitened residual and of all nuisances in prior deviations.
+        Cost of all records and squares of all nuisances in prior deviations, summed.
     """
 
     effects: tuple[Effect, ...]
@@ -49,6 +52,7 @@ class Point(Record):
     predicted: tuple[Array, ...]
     residual: Array
     index: Array
+    weights: Array
     objective: float
 
 
@@ -70,6 +74,8 @@ class Fit(Record):
         Where the fit ended.
     settings : Settings
         Nuisances in the model's own terms.
+    squares : ndarray, shape (r,)
+        Mean square of the whitened rows of each record; 1 in noise alone.
     left : tuple of ndarray
         What is left of each record [SI], everything taken off.
     white : ndarray, shape (m,)
@@ -82,6 +88,7 @@ class Fit(Record):
     objective: float
     point: Point
     settings: Settings
+    squares: Array
     left: tuple[Array, ...]
     white: Array
 
@@ -111,7 +118,9 @@ class Problem:
         self.teeth = self.scatter.deviations(campaign.setup.pair)
         self.columns: tuple[Array, ...]
         self.scales: Array
-        self.linear: Elimination
+        self.linear: Marginal
+        self.weights = np.ones(len(records))
+        self.counts = np.array([float(record.keep.sum()) for record in records])
 
     # ---- unknowns -------------------------------------------------------------------------------
 
@@ -148,19 +157,37 @@ class Problem:
         bench, settings = self.bench(effects), self.settings(unknown)
         return tuple(bench.predict(record, settings) for record in self.records)
 
-    def at(self, effects: tuple[Effect, ...], unknown: Array) -> Point:
-        """Return a point: all that is linear about it, index errors too, moved to where it leaves least."""
+    def at(self, effects: tuple[Effect, ...], unknown: Array, weights: Array | None = None) -> Point:
+        """Return a point: all that is linear about it, index errors too, moved to where it leaves least.
+
+        Parameters
+        ----------
+        effects, unknown : tuple of Effect, ndarray of shape (k,)
+            Where.
+        weights : ndarray, shape (r,), optional
+            What each record counts; by default what it deserves at this point.
+        """
         predicted = self.predict(effects, unknown)
         outer, inner = unknown[: self.outer], unknown[self.outer :]
         index = np.zeros_like(inner)
-        index[len(self.offsets) : len(self.offsets) + len(self.teeth) : self.scatter.terms + 1] = inner[
-            len(self.offsets) : len(self.offsets) + len(self.teeth) : self.scatter.terms + 1
-        ]
+        late = slice(len(self.offsets), len(self.offsets) + len(self.teeth), self.scatter.terms + 1)
+        index[late] = inner[late]
         # The index errors are in the prediction: their columns put them back, so that all inner unknowns start from 0.
-        residual = self.whiten(tuple(r.value - p for r, p in zip(self.records, predicted, strict=True))) + self.linear.columns @ index
-        value = float(self.linear.gram(residual, residual) + outer @ outer)
-        solved = np.concatenate([outer, self.linear.solve(residual)])
-        return Point(effects=effects, unknown=solved, predicted=predicted, residual=residual, index=index, objective=value)
+        misfit = self.whiten(tuple(r.value - p for r, p in zip(self.records, predicted, strict=True)))
+        residual = misfit + self.linear.moved(index)
+        linear = self.linear.weighed(self.weights if weights is None else weights)
+        solved = linear.solve(residual)
+        white = residual - linear.moved(solved)
+        cost, deserved = profile(np.array([white[rows] @ white[rows] for rows in linear.rows]), self.counts)
+        return Point(
+            effects=effects,
+            unknown=np.concatenate([outer, solved]),
+            predicted=predicted,
+            residual=residual,
+            index=index,
+            weights=deserved,
+            objective=float(cost.sum() + solved @ solved + outer @ outer),
+        )
 
     def prepare(self, effects: tuple[Effect, ...], unknown: Array) -> Array:
         """Make the columns of all nuisances at a point; every fit afterwards uses them until they are made again.
@@ -184,7 +211,8 @@ class Problem:
             inner.append(np.concatenate([offset, teeth, form], axis=1))
         self.columns = tuple(inner)
         self.scales = self.whiten(tuple(outer))
-        self.linear = eliminate(self.whiten(self.columns))
+        white = tuple(noise.whitener.apply(part) for noise, part in zip(self.noises, self.columns, strict=True))
+        self.linear = marginal(white)
         return np.concatenate([unknown, np.zeros(self.outer + self.columns[0].shape[1] - len(unknown))])
 
     def whiten(self, series: tuple[Array, ...]) -> Array:
@@ -233,9 +261,11 @@ class Problem:
                 jacobian = self.jacobian(point)
             ahead = self._ahead(point, jacobian)
             gained, point = point.objective - ahead.objective, ahead
-            if gained < 0.3 + 1e-4 * point.objective:
+            if gained < SETTLED:
                 break
         left = self.left(point)
+        white = self.whiten(left)
+        squares = np.array([white[rows] @ white[rows] for rows in self.linear.rows]) / self.counts
         return Fit(
             effects=point.effects,
             deviations=self._deviations(point, jacobian),
@@ -248,8 +278,9 @@ class Problem:
             objective=point.objective,
             point=point,
             settings=self.settings(point.unknown),
+            squares=squares,
             left=left,
-            white=self.whiten(left),
+            white=white,
         )
 
     def _ahead(self, point: Point, jacobian: Array) -> Point:
@@ -261,8 +292,9 @@ class Problem:
         low, high = np.concatenate([low - values, -reach - outer]), np.concatenate([high - values, reach - outer])
         prior = np.concatenate([np.zeros(len(values)), np.ones(self.outer)])
         pulled = np.concatenate([np.zeros(len(values)), outer])
-        gram = self.linear.gram(jacobian, jacobian) + np.diag(prior)
-        pull = self.linear.gram(jacobian, point.residual) - pulled
+        linear = self.linear.weighed(point.weights)
+        gram = linear.gram(jacobian, jacobian) + np.diag(prior)
+        pull = linear.gram(jacobian, point.residual) - pulled
         scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
         factor = np.linalg.cholesky(scale[:, None] * gram * scale + 1e-9 * np.eye(len(scale)))
         target = np.linalg.solve(factor, scale * pull)
@@ -273,7 +305,7 @@ class Problem:
             try:
                 unknown = point.unknown.copy()
                 unknown[: self.outer] += share * step[len(values) :]
-                ahead = self.at(self.moved(point.effects, values + share * step[: len(values)]), unknown)
+                ahead = self.at(self.moved(point.effects, values + share * step[: len(values)]), unknown, point.weights)
                 if ahead.objective < point.objective:
                     return ahead
             except (InputError, SolveError):
@@ -285,11 +317,16 @@ class Problem:
         """Return the whitened residual with the scales put back to their priors too, so that `free` frees it from all nuisances."""
         return point.residual + self.scales @ point.unknown[: self.outer]
 
-    def free(self, one: Array, two: Array) -> Array:
-        """Return scalar products of whitened vectors, shapes (m,) or (m, p), in the metric freed from all nuisances."""
-        gram = np.eye(self.outer) + self.linear.gram(self.scales, self.scales)
-        first, second = self.linear.gram(self.scales, one), self.linear.gram(self.scales, two)
-        return np.asarray(self.linear.gram(one, two) - first.T @ np.linalg.solve(gram, second))
+    def freed(self, point: Point) -> Callable[[Array, Array], Array]:
+        """Return the scalar product of whitened vectors, shapes (m,) or (m, p), freed from all nuisances, as records count at a point."""
+        linear = self.linear.weighed(point.weights)
+        gram = np.eye(self.outer) + linear.gram(self.scales, self.scales)
+
+        def product(one: Array, two: Array) -> Array:
+            first, second = linear.gram(self.scales, one), linear.gram(self.scales, two)
+            return np.asarray(linear.gram(one, two) - first.T @ np.linalg.solve(gram, second))
+
+        return product
 
     def jacobian(self, point: Point) -> Array:
         """Return the whitened derivatives of all records over parameters and scales, the former by one-sided differences."""
@@ -308,7 +345,7 @@ class Problem:
 
     def _deviations(self, point: Point, jacobian: Array) -> tuple[dict[str, float], ...]:
         prior = np.concatenate([np.zeros(jacobian.shape[1] - self.outer), np.ones(self.outer)])
-        gram = self.linear.gram(jacobian, jacobian) + np.diag(prior)
+        gram = self.linear.weighed(point.weights).gram(jacobian, jacobian) + np.diag(prior)
         scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
         inverse = np.linalg.pinv(scale[:, None] * gram * scale, rcond=1e-12, hermitian=True)
         deviation = iter(scale * np.sqrt(np.maximum(np.diag(inverse), 0.0)))

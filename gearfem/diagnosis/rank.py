@@ -137,7 +137,7 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
             continue
         turn = dataclasses.replace(record, axis=grid, value=grid, line=np.arange(len(grid)), keep=np.ones(len(grid), bool))
         responses.append(benches[0].predict(turn, settings) - benches[1].predict(turn, settings))
-    effective = problem.effective(base.point)
+    effective, free = problem.effective(base.point), problem.freed(base.point)
     gains = np.zeros(teeth)
     for tooth in range(teeth):
         series = tuple(
@@ -147,9 +147,9 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
             for record, response in zip(problem.records, responses, strict=True)
         )
         signature = problem.whiten(series)
-        freed = float(problem.free(signature, signature))
+        freed = float(free(signature, signature))
         if freed > 0.0:
-            gains[tooth] = float(problem.free(signature, effective)) ** 2 / freed
+            gains[tooth] = float(free(signature, effective)) ** 2 / freed
     return gains
 
 
@@ -201,18 +201,18 @@ def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
 
 def _candidate(problem: Problem, base: Fit, effect: Effect) -> Candidate | None:
     """Return how far an effect would explain what a fit leaves, each strength scaled on its own; None if it cannot be computed."""
-    setup, point = problem.campaign.setup, base.point
+    setup, point, free = problem.campaign.setup, base.point, problem.freed(base.point)
     try:
         effect.check(setup)
         moved = problem.predict((*point.effects, effect), point.unknown)
     except (InputError, SolveError):
         return None
     signature = problem.whiten(tuple(a - b for a, b in zip(moved, point.predicted, strict=True)))
-    freed = float(problem.free(signature, signature))
+    freed = float(free(signature, signature))
     length = float(signature @ signature)
     if not length > 0.0 or freed <= 1e-12 * length:
         return None
-    pull = float(problem.free(signature, problem.effective(point)))
+    pull = float(free(signature, problem.effective(point)))
     known = next((effect.parameters()[field] for field in effect.strengths()), None)
     signed = known is not None and known.bounds(setup, effect.member)[0] < known.at_rest(setup, effect.member)
     gain = pull**2 / freed if pull > 0.0 or signed else 0.0
@@ -229,6 +229,7 @@ def _candidate(problem: Problem, base: Fit, effect: Effect) -> Candidate | None:
 def together(problem: Problem, base: Fit, candidates: Iterable[Candidate]) -> float:
     """Return by how much several candidates together would lower the objective, if the response were linear."""
     signatures = np.column_stack([candidate.signature for candidate in candidates])
-    gram = problem.free(signatures, signatures)
-    pull = problem.free(signatures, problem.effective(base.point))
+    free = problem.freed(base.point)
+    gram = free(signatures, signatures)
+    pull = free(signatures, problem.effective(base.point))
     return float(pull @ np.linalg.lstsq(gram, pull, rcond=1e-10)[0])

@@ -1,0 +1,105 @@
+"""Everything linear and of known spread taken out of whitened records, each of which may count less than its noise says."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from gearfem.foundation import Array, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Marginal(Record):
+    """Whitened columns of linear unknowns with Gaussian priors, record by record.
+
+    Parameters
+    ----------
+    columns : tuple of ndarray, shapes (m_r, k)
+        Whitened columns of each record, each times the prior standard deviation of its unknown.
+    products : tuple of ndarray, shapes (k, k)
+        Their products A_r' A_r.
+    weights : ndarray, shape (r,)
+        What a squared whitened row of each record counts, at most 1.
+
+    Notes
+    -----
+    For residuals r and unknowns n in prior deviations: min over n of sum w_r |r_r - A_r n|^2 + |n|^2. With K = 1 + sum w_r A_r' A_r and
+    a = sum w_r A_r' r_r it is sum w_r |r_r|^2 - a' K^-1 a. New weights cost one factorisation of K.
+    """
+
+    columns: tuple[Array, ...]
+    products: tuple[Array, ...]
+    weights: Array
+
+    @cached_property
+    def _factor(self) -> Any:
+        total = np.eye(self.columns[0].shape[1])
+        for weight, product in zip(self.weights, self.products, strict=True):
+            total += weight * product
+        return cho_factor(total, overwrite_a=True, check_finite=False)
+
+    @cached_property
+    def rows(self) -> tuple[slice, ...]:
+        """Where the rows of each record stand among those of all."""
+        ends = np.cumsum([0, *(len(part) for part in self.columns)])
+        return tuple(slice(int(a), int(b)) for a, b in itertools.pairwise(ends))
+
+    def weighed(self, weights: Array) -> Marginal:
+        """Return the same columns with other weights."""
+        return dataclasses.replace(self, weights=weights)
+
+    def solve(self, residual: Array) -> Array:
+        """Return the unknowns in prior deviations that leave least of whitened vectors, shapes (m,) or (m, p)."""
+        return np.asarray(cho_solve(self._factor, self._pull(residual), check_finite=False))
+
+    def gram(self, one: Array, two: Array) -> Array:
+        """Return the weighed scalar products of whitened vectors, shapes (m,) or (m, p), freed from the unknowns."""
+        plain = sum(w * one[rows].T @ two[rows] for w, rows in zip(self.weights, self.rows, strict=True))
+        return np.asarray(plain - self._pull(one).T @ self.solve(two))
+
+    def moved(self, unknown: Array) -> Array:
+        """Return what unknowns do to all records, whitened, shape (m,)."""
+        return np.concatenate([part @ unknown for part in self.columns])
+
+    def _pull(self, residual: Array) -> Array:
+        parts = zip(self.weights, self.columns, self.rows, strict=True)
+        return np.asarray(sum(weight * part.T @ residual[rows] for weight, part, rows in parts))
+
+
+def marginal(columns: tuple[Array, ...]) -> Marginal:
+    """Return the linear unknowns of whitened records, every record at its full weight.
+
+    Parameters
+    ----------
+    columns : tuple of ndarray, shapes (m_r, k)
+        Whitened columns of each record, times the prior standard deviations.
+    """
+    return Marginal(columns=columns, products=tuple(part.T @ part for part in columns), weights=np.ones(len(columns)))
+
+
+def profile(square: Array, rows: Array) -> tuple[Array, Array]:
+    """Return the cost of whitened squares when the noise of a record may be larger than stated, and the weights that belong to it.
+
+    Parameters
+    ----------
+    square : ndarray, shape (r,)
+        Sum of the squared whitened rows of each record.
+    rows : ndarray, shape (r,)
+        Number of its rows.
+
+    Returns
+    -------
+    cost, weights : ndarray, shape (r,)
+
+    Notes
+    -----
+    -2 ln L with the variance s^2 >= 1 at its likeliest: square/s^2 + m ln s^2, s^2 = max(1, square/m). A record that no
+    model meets counts by the logarithm of its misfit, so that it does not drown those that are met.
+    """
+    spread = np.maximum(square / rows, 1.0)
+    return square / spread + rows * np.log(spread), 1.0 / spread

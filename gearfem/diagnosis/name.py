@@ -1,0 +1,304 @@
+"""Name the effects that a campaign shows: chosen one by one, tried against each other, and only after the last test."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+from scipy.stats import chi2
+
+from gearfem.diagnosis.fit import Fit, Problem
+from gearfem.diagnosis.rank import Candidate, rank, together
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation.progress import Progress, quiet
+
+Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
+
+# Costs in the score, in units of the objective where noise alone is left: of each parameter, and of each tooth or gear tried.
+PARAMETER = 8.0
+# What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
+DETECTED = 40.0
+# Explanations closer than this cannot be told apart; shapes of real effects differ from ours, by this share of what they explain.
+THRESHOLD, SHAPE = 10.0, 0.03
+FITTED, PAIRED, MOST = 6, 4, 3
+# Share of the gap that names must close: less is no explanation, and more brings it to the noise.
+STANDS, CLOSED = 0.60, 0.90
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Rival(Record):
+    """An explanation beside the chosen one.
+
+    Parameters
+    ----------
+    effects : tuple of Effect
+        As fitted.
+    score_difference : float
+        By how much its score is worse.
+    why : str
+        Why it lost, or that it did not.
+    """
+
+    effects: tuple[Effect, ...]
+    score_difference: float
+    why: str
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Naming(Record):
+    """The verdict, and everything that it rests on.
+
+    Parameters
+    ----------
+    verdict : str
+        As `diagnosis.json` has it.
+    fit : Fit
+        Named effects and nuisances; nuisances alone where nothing is named.
+    alone : Fit
+        Nuisances alone.
+    best : Fit
+        The best explanation, named or not.
+    p_values : tuple of float
+        Of each named effect: chance that noise and our own errors do as much, times the effects, gears and teeth tried.
+    closed : float
+        Share of the gap that the best explanation closes.
+    inflation : float
+        Mean square of the whitened residual that it leaves, at least 1: by it all differences of scores are divided.
+    rivals : tuple of Rival
+        Other explanations that were fitted, best first.
+    threshold : float
+        Score difference below which two explanations count as one.
+    sentence : str
+        Verdict in words.
+    reasons : tuple of str
+        What it rests on.
+    """
+
+    verdict: Verdict
+    fit: Fit
+    alone: Fit
+    best: Fit
+    p_values: tuple[float, ...]
+    closed: float
+    inflation: float
+    rivals: tuple[Rival, ...]
+    threshold: float
+    sentence: str
+    reasons: tuple[str, ...]
+
+
+class _Search:
+    """Explanations that have been fitted, by their labels."""
+
+    def __init__(self, problem: Problem, alone: Fit) -> None:
+        self.problem, self.alone = problem, alone
+        self.fits: dict[tuple[object, ...], Fit] = {(): alone}
+        self.rows = len(alone.white)
+
+    def fit(self, effects: tuple[Effect, ...], start: Fit) -> Fit | None:
+        """Return the fit of effects, made once for each set of names, gears and teeth."""
+        key = label(effects)
+        if key not in self.fits:
+            try:
+                self.fits[key] = self.problem.fit(effects, start.point.unknown)
+            except (InputError, SolveError):
+                return None
+        return self.fits[key]
+
+    def cost(self, effects: tuple[Effect, ...]) -> float:
+        """Return what an explanation pays for its parameters and for the teeth and gears among which it was chosen."""
+        pair = self.problem.campaign.setup.pair
+        total = 0.0
+        for effect in effects:
+            total += PARAMETER * len(effect.parameters())
+            if hasattr(effect, "tooth"):
+                total += 2.0 * math.log(pair.pinion.teeth + pair.wheel.teeth)
+        return total
+
+    def score(self, fit: Fit, inflation: float) -> float:
+        """Return the score of a fit; lower is better."""
+        return fit.objective / inflation + self.cost(fit.effects)
+
+    def inflation(self) -> float:
+        """Return the mean square of the whitened rows that the best fit leaves, at least 1."""
+        return 1.0
+
+    def best(self, most: int = MOST) -> Fit:
+        """Return the fit of the best score."""
+        inflation = self.inflation()
+        return min((fit for fit in self.fits.values() if len(fit.effects) <= most), key=lambda fit: self.score(fit, inflation))
+
+
+def label(effects: tuple[Effect, ...]) -> tuple[object, ...]:
+    """Return names, gears and teeth, by which explanations are told apart."""
+    return tuple(sorted((e.name, getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects))
+
+
+def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> Naming:
+    """Choose the effects that explain what nuisances leave.
+
+    Parameters
+    ----------
+    problem : Problem
+        Records to fit, their noise and nuisances, prepared at `alone`.
+    alone : Fit
+        Nuisances alone.
+    kinds : mapping of str to type
+        Effects to choose among.
+    progress : Progress
+        Told how far the search is.
+
+    Returns
+    -------
+    Naming
+
+    Notes
+    -----
+    Forward selection with back-elimination, up to three effects; the first candidates are tried in pairs too. A score is the objective
+    (whitened residual and all nuisances, model form included, in prior deviations) over the mean square that the best fit leaves,
+    plus a cost for each parameter and for the choice of a tooth.
+    """
+    search = _Search(problem, alone)
+    first = rank(problem, alone, kinds, progress)
+    _singles(search, alone, first, progress)
+    _pairs(search, alone, first, progress)
+    for count in range(1, MOST):
+        best = search.best()
+        if len(best.effects) != count:
+            break
+        again = rank(problem, best, _rest(kinds, best), progress)
+        for candidate in _worth(again, search.inflation())[:PAIRED]:
+            search.fit((*best.effects, candidate.start(problem.campaign.setup)), best)
+    _eliminate(search)
+    return _verdict(search, first)
+
+
+def _worth(candidates: tuple[Candidate, ...], inflation: float) -> list[Candidate]:
+    """Return the candidates that may gain enough, one for each name, gear and tooth."""
+    return [candidate for candidate in candidates if candidate.gain / inflation > DETECTED / 2.0]
+
+
+def _rest(kinds: Mapping[str, type[Effect]], best: Fit) -> Mapping[str, type[Effect]]:
+    """Return the effects that may still be added: those that replace a value of the model only once."""
+    used = {effect.name for effect in best.effects if type(effect).replaces}
+    return {name: kind for name, kind in kinds.items() if name not in used}
+
+
+def _singles(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
+    chosen = [c for c in candidates if c.gain > DETECTED / 2.0][:FITTED]
+    for number, candidate in enumerate(chosen):
+        progress("single effects", number, len(chosen))
+        search.fit((candidate.start(search.problem.campaign.setup),), alone)
+    progress("single effects", len(chosen), len(chosen))
+
+
+def _pairs(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
+    """Fit the pairs of the first candidates that promise most together."""
+    few = [c for c in candidates if c.gain > DETECTED / 2.0][:5]
+    pairs = [(a, b) for i, a in enumerate(few) for b in few[i + 1 :] if a.effect.name != b.effect.name or a.label != b.label]
+    gains = sorted(((together(search.problem, alone, pair), pair) for pair in pairs), key=lambda item: -item[0])
+    single = alone.objective - search.best(1).objective
+    chosen = [pair for gain, pair in gains if gain > single + DETECTED][:2]
+    setup = search.problem.campaign.setup
+    for number, pair in enumerate(chosen):
+        progress("pairs of effects", number, len(chosen))
+        search.fit(tuple(candidate.start(setup) for candidate in pair), alone)
+    progress("pairs of effects", len(chosen), len(chosen))
+
+
+def _eliminate(search: _Search) -> None:
+    """Fit the best explanation without each of its effects."""
+    best = search.best()
+    if len(best.effects) > 1:
+        for out in range(len(best.effects)):
+            search.fit(best.effects[:out] + best.effects[out + 1 :], best)
+
+
+def _verdict(search: _Search, candidates: tuple[Candidate, ...]) -> Naming:
+    alone, inflation = search.alone, search.inflation()
+    best = search.best()
+    scores = {key: search.score(fit, inflation) for key, fit in search.fits.items()}
+    own = scores[label(best.effects)]
+    gained = scores[()] - own
+    closed = closure(alone, best, search.problem.counts)
+    threshold = max(THRESHOLD, SHAPE * gained)
+    rivals = tuple(
+        Rival(effects=fit.effects, score_difference=scores[key] - own, why=_why(fit, best, scores[key] - own, threshold))
+        for key, fit in sorted(search.fits.items(), key=lambda item: scores[item[0]])
+        if fit is not best and fit.effects
+    )
+    level = float(np.max(alone.squares))
+    remains = float(np.max(best.squares))
+    close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
+    if not best.effects or gained < DETECTED:
+        verdict: Verdict = "no_discrepancy" if level < 1.35 else "unexplained"
+    elif closed < STANDS:
+        verdict = "unexplained"
+    elif close:
+        verdict = "ambiguous"
+    elif closed >= CLOSED or remains < 1.2:
+        verdict = "explained"
+    else:
+        verdict = "partly_explained"
+    named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
+    return Naming(
+        verdict=verdict,
+        fit=named,
+        alone=alone,
+        best=best,
+        p_values=tuple(_p_value(search, best, number, inflation) for number in range(len(named.effects))),
+        closed=closed,
+        inflation=inflation,
+        rivals=rivals,
+        threshold=threshold,
+        sentence=_sentence(verdict, named, closed),
+        reasons=(),
+    )
+
+
+def closure(alone: Fit, best: Fit, counts: Array) -> float:
+    """Return the share of the gap that is closed: of the logarithms of the mean squares above noise, every row counting once.
+
+    Parameters
+    ----------
+    alone, best : Fit
+        Nuisances alone, and with effects.
+    counts : ndarray, shape (r,)
+        Rows of each record.
+    """
+    before, after = (float(counts @ np.log(np.maximum(fit.squares, 1.0))) for fit in (alone, best))
+    return 1.0 - after / before if before > 0.0 else 1.0
+
+
+def _p_value(search: _Search, best: Fit, number: int, inflation: float) -> float:
+    """Return the chance of the gain of one effect, times the explanations that were tried."""
+    without = search.fits.get(label(best.effects[:number] + best.effects[number + 1 :]))
+    if without is None:
+        return 0.0
+    gain = (without.objective - best.objective) / inflation
+    pair = search.problem.campaign.setup.pair
+    trials = 40 + 3 * (pair.pinion.teeth + pair.wheel.teeth)
+    return min(1.0, trials * float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters()))))
+
+
+def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
+    if difference < threshold:
+        return f"cannot be told apart: its score is worse by {difference:.1f}, less than {threshold:.1f}"
+    if set(label(best.effects)) < set(label(fit.effects)):
+        return f"explains no more than its further parameters cost (score worse by {difference:.1f})"
+    return f"leaves more of the gap: score worse by {difference:.1f}"
+
+
+def _sentence(verdict: Verdict, fit: Fit, closed: float) -> str:
+    words = "; ".join(effect.describe() for effect in fit.effects)
+    return {
+        "no_discrepancy": "Model and measurement agree within noise, the scatter of single teeth and the errors of our own model.",
+        "unexplained": "There is a gap that no effect of the catalogue, alone or with others, closes: none is named.",
+        "ambiguous": f"{words}; but other explanations fit these data as well.",
+        "explained": f"{words}: this closes {100.0 * closed:.0f} % of the gap.",
+        "partly_explained": f"{words}: this closes {100.0 * closed:.0f} % of the gap, and a significant rest remains.",
+    }[verdict]
