@@ -63,6 +63,7 @@ UNEVEN = (
     "Rigid and classical models: teeth like most of their gear's, evenly spaced, under steady torques. What differs from tooth to tooth "
     "or varies with the turns acts in the elastic model, which is stepped over whole turns."
 )
+FITTED = "Fitted values of [calibration] act on stiffness, torque, inertia, damping, readings and tooth spacing."
 EVEN = "All teeth are equal and perfectly spaced."
 
 
@@ -114,16 +115,22 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
     pinion, wheel = (dataclasses.replace(steel, youngs_modulus=fitted.stiffness_scale * steel.youngs_modulus) for steel in materials)
     law: Law = EdgedLine(pinion=pinion, wheel=wheel)
     drive = dataclasses.replace(
-        drive, pinion_torque=drive.pinion_torque * fitted.torque_scale, wheel_torque=drive.wheel_torque * fitted.torque_scale
+        drive,
+        pinion_torque=drive.pinion_torque * fitted.torque_scale,
+        wheel_torque=drive.wheel_torque * fitted.torque_scale,
+        pinion_inertia=drive.pinion_inertia * fitted.inertia_scale,
+        wheel_inertia=drive.wheel_inertia * fitted.inertia_scale,
     )
+    drive = _act(drive, of("drive"), bare)
     return System(
         setup=setup,
         flanks=flanks,
         compliance=_softer(compliance, 1.0 / fitted.stiffness_scale),
         placement=placement,
         law=_act(law, of("contact"), bare),
-        drive=_act(drive, of("drive"), bare),
-        instrument=_act(Instrument(), of("sensing"), bare),
+        # A fitted scale belongs to the damping that the effects leave, as its fit has it.
+        drive=dataclasses.replace(drive, damping_ratio=drive.damping_ratio * fitted.damping_scale),
+        instrument=_act(Instrument(gain=fitted.gain), of("sensing"), bare),
     )
 
 
@@ -341,7 +348,7 @@ def _sentences(setup: Setup) -> tuple[str, ...]:
     effects = tuple(f"Effect: {effect.describe()}." for effect in in_history(effects_in(setup)))
     fits = tuple(flank.sentence for flank in fitted_flanks(setup))
     plain = digest(setup.calibration) == digest(Calibration())
-    return (*fits, *effects) if plain else (*fits, *effects, "Fitted values of [calibration] act on stiffness, torque and tooth spacing.")
+    return (*fits, *effects) if plain else (*fits, *effects, FITTED)
 
 
 def _with_compliance(results: Results, comparison: bool, progress: Progress) -> Results:

@@ -19,6 +19,10 @@ class Calibration(Record):
         True stiffness of teeth, bodies and contact over the computed one.
     torque_scale : float
         True torques over stated ones.
+    inertia_scale, damping_scale : float
+        True inertias on the two gears, and true damping ratio, over those of model and effects.
+    gain : float
+        Readings of angle series, accelerations and stiffness over true values.
     angle_offset : float
         Pinion angle of the model at which measured angles are 0 [rad].
     pinion_late, wheel_late : ndarray, shapes (z1,), (z2,) or (0,)
@@ -29,6 +33,9 @@ class Calibration(Record):
 
     stiffness_scale: float = 1.0
     torque_scale: float = 1.0
+    inertia_scale: float = 1.0
+    damping_scale: float = 1.0
+    gain: float = 1.0
     angle_offset: float = 0.0
     pinion_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
     wheel_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))

@@ -42,6 +42,9 @@ def resolve_calibration(table: CalibrationTable, teeth: tuple[int, int]) -> Cali
     return Calibration(
         stiffness_scale=table.stiffness_scale,
         torque_scale=table.torque_scale,
+        inertia_scale=table.inertia_scale,
+        damping_scale=table.damping_scale,
+        gain=table.gain,
         angle_offset=table.angle_offset_rad,
         pinion_late=late[0],
         wheel_late=late[1],

@@ -138,6 +138,9 @@ class CalibrationTable(Table):
 
     stiffness_scale: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
     torque_scale: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
+    inertia_scale: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
+    damping_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
+    gain: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
     angle_offset_rad: Annotated[float, Field(ge=-10.0, le=10.0)] = 0.0
     pinion_index_error_um: list[Late] = []
     wheel_index_error_um: list[Late] = []

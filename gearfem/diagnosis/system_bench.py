@@ -28,7 +28,8 @@ class SystemBench(Record):
     -----
     A pair stiffer by s under the torque T moves as one of the model's stiffness under T/s with inertias over s, since every compliance,
     the contact's included, depends on force over Young's modulus alone: a stiffness scale costs no new tables. Kw and
-    accelerations are the same in both, mesh stiffness is s times the other's.
+    accelerations are the same in both, mesh stiffness is s times the other's; ripples of the torque go over s too, and supports,
+    which are no gears, yield s times as much.
     """
 
     system: System
@@ -43,7 +44,7 @@ class SystemBench(Record):
         name, torque = record.quantity.name, record.pinion_torque
         angles = record.quantity.axis == "angle"
         request = requests()[name](
-            axis=record.axis + settings.angle_offset if angles else record.axis,
+            axis=record.axis,
             pinion_torque=torque * settings.torque_scale / settings.stiffness_scale,
             pinion_speed=record.pinion_speed,
             gear=record.gear or "pinion",
@@ -79,20 +80,26 @@ class SystemBench(Record):
         return self.system.torque(stated) * settings.torque_scale / settings.stiffness_scale
 
     def _system(self, settings: Settings) -> System:
-        """Return the system with index errors, inertias and damping of these settings."""
-        placement, drive = self.system.placement, self.system.drive
+        """Return the system with angle zero, index errors, inertias and damping of these settings."""
+        setup, placement, drive = self.system.setup, self.system.placement, self.system.drive
         inertia = settings.inertia_scale / settings.stiffness_scale
+        zero = setup.calibration.angle_offset + settings.angle_offset
         return dataclasses.replace(
             self.system,
+            setup=dataclasses.replace(setup, calibration=dataclasses.replace(setup.calibration, angle_offset=zero)),
             placement=dataclasses.replace(
                 placement,
                 pinion_late=placement.pinion_late + settings.pinion_late,
                 wheel_late=placement.wheel_late + settings.wheel_late,
+                support=placement.support * settings.stiffness_scale,
             ),
             drive=dataclasses.replace(
                 drive,
                 pinion_inertia=drive.pinion_inertia * inertia,
                 wheel_inertia=drive.wheel_inertia * inertia,
                 damping_ratio=drive.damping_ratio * settings.damping_scale,
+                ripples=tuple(
+                    dataclasses.replace(ripple, amplitude=ripple.amplitude / settings.stiffness_scale) for ripple in drive.ripples
+                ),
             ),
         )

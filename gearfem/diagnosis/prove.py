@@ -1,0 +1,279 @@
+"""Prove a fit: frozen, it has to foretell records that nobody has looked at."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from gearfem.definition.calibration import Calibration
+from gearfem.definition.setup import Setup
+from gearfem.diagnosis.bench import Settings, neutral
+from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.fit import Fit, Problem
+from gearfem.diagnosis.linear import eliminate
+from gearfem.diagnosis.noise import Noise, measure_noise
+from gearfem.diagnosis.roles import Role
+from gearfem.diagnosis.smooth import Smooth, fit_smooth
+from gearfem.diagnosis.system_bench import SystemBench
+from gearfem.diagnosis.teeth import tooth_columns
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, Record
+from gearfem.foundation.progress import Progress, quiet
+from gearfem.pipeline import assemble
+from gearfem.sensing import Request, System, observe, requests
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Gap(Record):
+    """What is left of one record; SI.
+
+    Parameters
+    ----------
+    measurement : Measurement
+        The record.
+    before : ndarray, shape (n,)
+        Measured less the model as its owner believes it, angle zero and constant taken off.
+    nuisances_only : ndarray, shape (n,)
+        Less the model with the nuisances that fit best without any effect.
+    smooth : ndarray, shape (n,) or (0,)
+        The same less a free smooth correction; empty where the quantity is not over the pinion angle.
+    after : ndarray, shape (n,)
+        Less the model with the named effects and their nuisances, index errors included; the waviness of single teeth stays.
+    offset : float
+        Constant of the record under the last of these.
+    first_tooth : int
+        Tooth that the record begins with, fitted where it is unknown.
+    noise_rms : float
+        Standard deviation of the sensor.
+    floor_rms : float
+        What remains if the effects are exactly right: noise and the waviness of single teeth.
+    """
+
+    measurement: Measurement
+    before: Array
+    nuisances_only: Array
+    smooth: Array
+    after: Array
+    offset: float
+    first_tooth: int
+    noise_rms: float
+    floor_rms: float
+
+    @property
+    def role(self) -> Role:
+        """What the record was for."""
+        return self.measurement.role
+
+    def rms(self, series: Array) -> float:
+        """Return the root mean square of one of the series over the rows that are used."""
+        return float(np.sqrt(np.mean(series[self.measurement.keep] ** 2)))
+
+    @property
+    def closure(self) -> float:
+        """Share of the gap above the floor that is closed; 1 is all of it, and all of it where there is none."""
+        before, after, floor = (value**2 for value in (self.rms(self.before), self.rms(self.after), self.floor_rms))
+        return 1.0 - max(after - floor, 0.0) / (before - floor) if before > floor else 1.0
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Proof(Record):
+    """How a frozen fit stands against all records.
+
+    Parameters
+    ----------
+    records : tuple of Gap
+        In the order of the campaign.
+    over_nuisances, over_smooth : float or None
+        On hold-out records: what nuisances alone, and the smooth correction, leave over what the named effects leave; each in parts of
+        the floor, root mean square over the records. None without hold-out records or effects.
+    stands : bool
+        Whether the named effects beat both.
+    reasons : tuple of str
+        The same in words.
+    """
+
+    records: tuple[Gap, ...]
+    over_nuisances: float | None
+    over_smooth: float | None
+    stands: bool
+    reasons: tuple[str, ...]
+
+    def of(self, role: Role) -> tuple[Gap, ...]:
+        """Return the records of one role."""
+        return tuple(gap for gap in self.records if gap.role == role)
+
+
+def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) -> Proof:
+    """Open the hold-out records and compare them with a fit that stays as it is.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of the records that were fitted.
+    fit : Fit
+        Named effects and nuisances.
+    alone : Fit
+        Nuisances alone.
+    progress : Progress
+        Told after each record.
+
+    Returns
+    -------
+    Proof
+
+    Notes
+    -----
+    On each record, of either role, only what it leaves unknown is fitted: its constant, and its first tooth where that is
+    unknown. The floor is noise and waviness of single teeth as the fit has it, its own uncertainty included.
+    """
+    campaign = problem.campaign
+    noise_of = {record.file: noise for record, noise in zip(problem.records, problem.noises, strict=True)}
+    believed = dataclasses.replace(neutral(campaign.setup.pair), angle_offset=alone.settings.angle_offset)
+    setup, bench = campaign.setup, problem.bench(fit.effects)
+    systems = (calibrated(setup, believed), calibrated(setup, alone.settings), calibrated(setup, fit.settings, fit.effects))
+    drafts = []
+    for number, record in enumerate(campaign.records):
+        progress("proof", number, len(campaign.records))
+        drafts.append(tuple(_left(record, system) for system in systems))
+    progress("proof", len(campaign.records), len(campaign.records))
+    corrections = _corrections(problem, alone, {r.file: parts[1][0] for r, parts in zip(campaign.records, drafts, strict=True)})
+    waviness = _waviness(problem, fit)
+    gaps = []
+    for record, (before, nuisances_only, after) in zip(campaign.records, drafts, strict=True):
+        noise = noise_of.get(record.file) or measure_noise(record, campaign.setup.pair, record.value - after[0])
+        gaps.append(
+            Gap(
+                measurement=record,
+                before=before[0],
+                nuisances_only=nuisances_only[0],
+                smooth=_smooth(record, nuisances_only[0], corrections),
+                after=after[0],
+                offset=after[1],
+                first_tooth=after[2],
+                noise_rms=noise.std,
+                floor_rms=_floor(problem, fit, bench, record, noise, waviness),
+            )
+        )
+    return _judged(tuple(gaps), bool(fit.effects))
+
+
+def calibrated(setup: Setup, settings: Settings, effects: tuple[Effect, ...] = ()) -> System:
+    """Return a model with nuisances in its calibration: from here on nothing knows that they were fitted.
+
+    Parameters
+    ----------
+    setup : Setup
+        The model as its owner believes it.
+    settings : Settings
+        What was fitted; on top of a calibration that the model has.
+    effects : tuple of Effect
+        Named effects.
+    """
+    return assemble(dataclasses.replace(setup, calibration=calibration_of(setup.calibration, settings)), effects)
+
+
+def calibration_of(known: Calibration, settings: Settings) -> Calibration:
+    """Return a calibration with settings on top of it: scales multiplied, angles and index errors added, constants as they were."""
+    return Calibration(
+        stiffness_scale=known.stiffness_scale * settings.stiffness_scale,
+        torque_scale=known.torque_scale * settings.torque_scale,
+        inertia_scale=known.inertia_scale * settings.inertia_scale,
+        damping_scale=known.damping_scale * settings.damping_scale,
+        gain=known.gain * settings.gain,
+        angle_offset=known.angle_offset + settings.angle_offset,
+        pinion_late=known.pinion_late + settings.pinion_late if known.pinion_late.size else settings.pinion_late,
+        wheel_late=known.wheel_late + settings.wheel_late if known.wheel_late.size else settings.wheel_late,
+        offsets=known.offsets,
+    )
+
+
+def _left(record: Measurement, system: System) -> tuple[Array, float, int]:
+    """Return what a frozen model leaves of a record, the constant that was fitted, and the first tooth."""
+    firsts = [0]
+    if not record.tooth_known:
+        pair = system.setup.pair
+        firsts = list(range((pair.wheel if record.gear == "wheel" else pair.pinion).teeth))
+    best: tuple[Array, float, int] | None = None
+    least = math.inf
+    for first in firsts:
+        gap = record.value - observe(system, _request(record, first))
+        offset = float(gap[record.keep].mean()) if record.quantity.free_constant else 0.0
+        size = float(np.sum((gap[record.keep] - offset) ** 2))
+        if size < least:
+            best, least = (gap - offset, offset, first), size
+    assert best is not None
+    return best
+
+
+def _request(record: Measurement, first: int) -> Request:
+    return requests()[record.quantity.name](
+        axis=record.axis + first,
+        pinion_torque=record.pinion_torque,
+        pinion_speed=record.pinion_speed,
+        gear=record.gear or "pinion",
+        tooth=record.tooth or 0,
+        file=record.file,
+    )
+
+
+def _corrections(problem: Problem, alone: Fit, left: Mapping[str, Array]) -> Mapping[str, Smooth]:
+    own = tuple(left[record.file] for record in problem.records)
+    return fit_smooth(problem.records, problem.noises, own, problem.campaign.setup.pair, alone.settings.angle_offset)
+
+
+def _smooth(record: Measurement, left: Array, corrections: Mapping[str, Smooth]) -> Array:
+    if record.quantity.name not in corrections:
+        return np.empty(0)
+    gap = left - corrections[record.quantity.name].at(record)
+    return np.asarray(gap - (gap[record.keep].mean() if record.quantity.free_constant else 0.0))
+
+
+def _waviness(problem: Problem, fit: Fit) -> tuple[Array, Array]:
+    """Return the waviness of all teeth as the fit has it, in prior deviations, and a factor F of its covariance F F'."""
+    wavy = np.flatnonzero(np.arange(len(problem.teeth)) % (problem.scatter.terms + 1))
+    triangle = eliminate(problem.whiten(problem.columns)).triangle
+    inverse = solve_triangular(triangle, np.eye(len(triangle)), check_finite=False)
+    return fit.point.unknown[problem.first_tooth + wavy], inverse[problem.first_tooth - problem.outer + wavy]
+
+
+def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, noise: Noise, waviness: tuple[Array, Array]) -> float:
+    """Return what remains of a record under a model that is right: noise, and the waviness that the fit finds, its doubt included."""
+    wavy = np.flatnonzero(np.arange(len(problem.teeth)) % (problem.scatter.terms + 1))
+    columns = (tooth_columns(record, bench, fit.settings, problem.scatter) * problem.teeth)[:, wavy][record.keep]
+    if record.quantity.free_constant:
+        columns = columns - columns.mean(axis=0)
+    waves, doubt = columns @ waviness[0], columns @ waviness[1]
+    return math.sqrt(noise.std**2 + float(np.mean(waves**2) + np.mean((doubt**2).sum(axis=1))))
+
+
+def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
+    held = [gap for gap in gaps if gap.role == "holdout"]
+    if not held:
+        words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named else ()
+        return Proof(records=gaps, over_nuisances=None, over_smooth=None, stands=False, reasons=words)
+    if not named:
+        return Proof(records=gaps, over_nuisances=None, over_smooth=None, stands=False, reasons=())
+    after, alone = _pooled([(gap, gap.after) for gap in held]), _pooled([(gap, gap.nuisances_only) for gap in held])
+    corrected = [gap for gap in held if gap.smooth.size]
+    over_nuisances = alone / after
+    over_smooth = _pooled([(g, g.smooth) for g in corrected]) / _pooled([(g, g.after) for g in corrected]) if corrected else None
+    stands = over_nuisances > 1.0 and (over_smooth is None or over_smooth > 1.0)
+    reasons = [_words("nuisances alone", over_nuisances)]
+    if over_smooth is not None:
+        reasons.append(_words("a free smooth correction", over_smooth))
+    return Proof(records=gaps, over_nuisances=over_nuisances, over_smooth=over_smooth, stands=stands, reasons=tuple(reasons))
+
+
+def _pooled(gaps: list[tuple[Gap, Array]]) -> float:
+    """Return the root mean square over records of what is left, in parts of the floor of each."""
+    return math.sqrt(sum((gap.rms(series) / gap.floor_rms) ** 2 for gap, series in gaps) / len(gaps))
+
+
+def _words(other: str, ratio: float) -> str:
+    if ratio > 1.0:
+        return f"On records held out, {other} leave{'s' if other.startswith('a ') else ''} {ratio:.2f} times what the named effects leave."
+    return f"On records held out, the named effects do not beat {other}: they leave {1.0 / ratio:.2f} times as much."

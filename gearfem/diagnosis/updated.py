@@ -1,0 +1,76 @@
+"""The model with everything that a diagnosis found in it, as a model file that every other command runs."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from gearfem.definition.calibration import Calibration
+from gearfem.definition.model_file import read_tables
+from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.campaign import Campaign
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.prove import Proof, calibration_of
+from gearfem.foundation.toml import write_toml
+from gearfem.foundation.units import UM
+
+MEMBERS = ("pinion", "wheel")
+
+
+def write_updated(campaign: Campaign, fit: Fit, proof: Proof, path: Path) -> Path:
+    """Write the campaign's model with named effects and fitted nuisances.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Whose model it is; its keys are kept as they are.
+    fit : Fit
+        Effects and nuisances.
+    proof : Proof
+        With the constants of all records.
+    path : Path
+        Target file; files of measured flanks are counted from its folder.
+
+    Returns
+    -------
+    Path
+
+    Notes
+    -----
+    What the model's own [calibration] says stays in the sum: scales are multiplied, angles, index errors and constants added.
+    """
+    tables = read_tables(campaign.model)
+    for member in MEMBERS:
+        if "flank" in tables[member]:
+            flanks = [
+                {**flank, "file": _moved(flank["file"], Path(campaign.model).parent, path.parent)} for flank in tables[member]["flank"]
+            ]
+            tables[member] = {**tables[member], "flank": flanks}
+    if fit.effects:
+        tables["effect"] = [*tables.get("effect", []), *(effect.table() for effect in fit.effects)]
+    tables["calibration"] = calibration_table(campaign.setup.calibration, fit.settings, proof)
+    write_toml(path, tables)
+    return path
+
+
+def calibration_table(known: Calibration, settings: Settings, proof: Proof) -> dict[str, Any]:
+    """Return [calibration] with fitted nuisances on top of those that the model has."""
+    both = calibration_of(known, settings)
+    measured = [(gap.measurement, gap.offset) for gap in proof.records if gap.measurement.quantity.free_constant]
+    return {
+        "stiffness_scale": both.stiffness_scale,
+        "torque_scale": both.torque_scale,
+        "inertia_scale": both.inertia_scale,
+        "damping_scale": both.damping_scale,
+        "gain": both.gain,
+        "angle_offset_rad": both.angle_offset,
+        "pinion_index_error_um": (both.pinion_late / UM).tolist(),
+        "wheel_index_error_um": (both.wheel_late / UM).tolist(),
+        "record": [{"file": record.file, "offset_um": (known.offset(record.file) + offset) / UM} for record, offset in measured],
+    }
+
+
+def _moved(file: str, source: Path, target: Path) -> str:
+    """Return the name of a file counted from another folder."""
+    return Path(os.path.relpath((source / file).resolve(), target.resolve())).as_posix()
