@@ -342,3 +342,33 @@ def measure(model: str, out: str, overrides: tuple[str, ...], plan: str) -> None
     with Bars() as progress:
         done = measuring.run_plan(setup, model, overrides, plan, target, progress)
     steps.say(done)
+
+
+@main.command(short_help="Where measurements and model disagree, and why.")
+@click.argument("campaign", metavar="CAMPAIGN")
+@_out
+@click.option("--only", multiple=True, metavar="NAME", help="Choose among these effects alone; may be repeated.")
+@click.option("--exclude", multiple=True, metavar="NAME", help="Leave this effect out; may be repeated.")
+@click.option("--effects", "effect_files", multiple=True, metavar="FILE.py", help="Python file with further effects; may be repeated.")
+def diagnose(campaign: str, out: str, only: tuple[str, ...], exclude: tuple[str, ...], effect_files: tuple[str, ...]) -> None:
+    """Find where the measurements of CAMPAIGN and its model disagree, name the missing effect, and show the gap shrink.
+
+    Writes report.html with its pictures, diagnosis.json, and updated.toml: the model with the named effects and the fitted nuisances,
+    which every other command runs. Records of role holdout are opened at the end, when everything else is fixed.
+
+    Verdicts: explained, partly_explained, no_discrepancy, unexplained (a gap that no known effect closes), ambiguous (several
+    explanations, and what to measure to decide). Ctrl-C leaves no half-written file.
+
+    \b
+    Units: those that end the names of keys; gaps in the unit of the measured column.
+    Example:
+      gearfem diagnose rig7/campaign.toml --out results
+      gearfem diagnose rig7/campaign.toml --out again --exclude profile_wear
+      gearfem run results/updated.toml --out updated
+    """
+    target = folder(out)
+    from gearfem.cli import diagnoses, steps
+
+    with Bars() as progress:
+        done = diagnoses.run_diagnosis(campaign, target, only, exclude, effect_files, progress)
+    steps.say(done)

@@ -1,10 +1,34 @@
-"""Where model and measurement disagree, and which effect would close the gap."""
+"""Where model and measurement disagree, and which effect would close the gap: all in one, or step by step."""
 
 from gearfem.diagnosis.campaign import Campaign, Measurement, read_campaign
 from gearfem.diagnosis.compare import compare
-from gearfem.diagnosis.comparison import Comparison
+from gearfem.diagnosis.diagnose import Diagnosis, bench_of, choose, diagnose, fit, remainder, settle, start
 from gearfem.diagnosis.faults import Fault
-from gearfem.diagnosis.localise import Localisation, localise
-from gearfem.diagnosis.system_bench import SystemBench
+from gearfem.diagnosis.localise import localise
+from gearfem.diagnosis.name import name
+from gearfem.diagnosis.prove import prove
+from gearfem.diagnosis.rank import rank
+from gearfem.diagnosis.suggest import suggest
+from gearfem.diagnosis.write import write_diagnosis
 
-__all__ = ["Campaign", "Comparison", "Fault", "Localisation", "Measurement", "SystemBench", "compare", "localise", "read_campaign"]
+__all__ = [
+    "Campaign",
+    "Diagnosis",
+    "Fault",
+    "Measurement",
+    "bench_of",
+    "choose",
+    "compare",
+    "diagnose",
+    "fit",
+    "localise",
+    "name",
+    "prove",
+    "rank",
+    "read_campaign",
+    "remainder",
+    "settle",
+    "start",
+    "suggest",
+    "write_diagnosis",
+]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from gearfem.report.body_table import write_body
+    from gearfem.report.diagnosis_html import write_diagnosis_report
     from gearfem.report.flank_plots import write_measured_flanks
     from gearfem.report.html import write_report
     from gearfem.report.motion_plots import write_motion_pictures, write_sweep_pictures
@@ -24,6 +25,7 @@ __all__ = [
     "summarise",
     "write_body",
     "write_compliance",
+    "write_diagnosis_report",
     "write_dynamics",
     "write_kinematics",
     "write_measured_flanks",
@@ -42,6 +44,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "diagnosis_html": ("write_diagnosis_report",),
     "flank_plots": ("write_measured_flanks",),
     "html": ("write_report",),
     "motion_plots": ("write_motion_pictures", "write_sweep_pictures"),

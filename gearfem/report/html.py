@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import importlib.resources
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -135,10 +134,7 @@ def write_report(
     """
     values = summarise(results)
     drawn = write_pictures(results, out) if pictures is None else pictures
-    template = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True).from_string(
-        importlib.resources.files("gearfem.report").joinpath("template.html").read_text(encoding="utf-8")
-    )
-    page = template.render(
+    page = template("template.html").render(
         values=values,
         answer=_answer(results, values),
         rows=_rows(values),
@@ -211,13 +207,22 @@ def _number(value: Any, form: str) -> str:
 
 def _pictures(values: Mapping[str, Any], drawn: Mapping[str, Path], rendering: Rendering | None) -> list[Picture]:
     found = [
-        Picture(title, caption(values), _inline(drawn[name]), name in WIDE) for name, (title, caption) in CAPTIONS.items() if name in drawn
+        Picture(title, caption(values), inline(drawn[name]), name in WIDE) for name, (title, caption) in CAPTIONS.items() if name in drawn
     ]
     if rendering is not None:
         text = f"{rendering.title}. The line is the undeformed outline; the arrow is the load: {_load(values)}."
-        found.insert(1, Picture("Deformed tooth", text, _inline(rendering.path), False))
+        found.insert(1, Picture("Deformed tooth", text, inline(rendering.path), False))
     return found
 
 
-def _inline(path: Path) -> str:
+def template(name: str) -> jinja2.Template:
+    """Return a template of this package; a value that it asks for and does not get is an error."""
+    loader = jinja2.PackageLoader("gearfem", "report")
+    return jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    ).get_template(name)
+
+
+def inline(path: Path) -> str:
+    """Return a picture as the address of an image that holds it."""
     return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")

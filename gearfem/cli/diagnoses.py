@@ -1,0 +1,51 @@
+"""The command of the diagnosis: campaign read, diagnosed, written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from gearfem.cli.steps import Done
+from gearfem.diagnosis.campaign import read_campaign
+from gearfem.diagnosis.diagnose import choose, diagnose
+from gearfem.diagnosis.write import write_diagnosis
+from gearfem.effects.catalogue import catalogue, effects_from
+from gearfem.foundation.progress import Progress
+from gearfem.report import write_diagnosis_report
+
+
+def run_diagnosis(
+    campaign: str, out: Path, only: Sequence[str], exclude: Sequence[str], effect_files: Sequence[str], progress: Progress
+) -> Done:
+    """Diagnose a campaign and write everything about it.
+
+    Parameters
+    ----------
+    campaign : str
+        Its file.
+    out : Path
+        Folder.
+    only, exclude : sequence of str
+        Names of effects that are allowed, or not.
+    effect_files : sequence of str
+        Python files with further effects.
+    progress : Progress
+        Told how far the work is.
+
+    Returns
+    -------
+    Done
+
+    Raises
+    ------
+    InputError
+        If the campaign, a name or a file cannot be used.
+    """
+    kinds = choose(catalogue([kind for file in effect_files for kind in effects_from(file)]), only, exclude)
+    found = diagnose(read_campaign(campaign), kinds, progress)
+    pictures = write_diagnosis_report(found, out)
+    # The verdict comes last: where it is, everything is.
+    files = write_diagnosis(found, out)
+    lines = [f"{found.naming.verdict}: {found.naming.sentence}", *found.proof.reasons]
+    lines += [one.sentence for one in found.suggestions[:1]]
+    return Done(lines, [*files, *pictures])

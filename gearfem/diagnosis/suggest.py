@@ -1,0 +1,222 @@
+"""Suggest the measurement that would tell explanations apart."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearfem.definition.setup import Member
+from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.fit import Fit, Problem
+from gearfem.diagnosis.linear import eliminate
+from gearfem.diagnosis.nuisances import MOVING, SCALES, slopes
+from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.teeth import tooth_columns
+from gearfem.effects.effect import MEMBERS, Effect
+from gearfem.effects.roll import active_flank
+from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.units import RPM, UM
+
+# A constant that is not known at all [m], against deviations of micrometres.
+FREE = 1e-2
+# What instruments resolve where the campaign holds none of their kind: indicators and flank traces; stiffness in parts of itself.
+INDICATOR, STIFFNESS = 0.5 * UM, 0.02
+SAMPLES, TURNS = 12, 2.0
+# Torques tried, in parts of the rated one, and speeds in parts of the one at which the mesh meets its resonance.
+TORQUES, SPEEDS = (0.05, 0.3, 0.6, 1.0), ((0.6, 1.4), (0.85, 1.2))
+TAKEN = 1.3
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Plan(Record):
+    """A measurement that might be taken.
+
+    Parameters
+    ----------
+    words : str
+        What is measured.
+    records : tuple of Measurement
+        Its records, values left at 0.
+    cost : float
+        Against one slow record of a few turns.
+    """
+
+    words: str
+    records: tuple[Measurement, ...]
+    cost: float
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Suggestion(Record):
+    """A measurement and what it would tell.
+
+    Parameters
+    ----------
+    words : str
+        What is measured.
+    separation : float
+        Least distance of two explanations in it, in standard deviations, nuisances and the scatter of teeth freed.
+    cost : float
+        Against one slow record of a few turns.
+    sentence : str
+        The same in words.
+    """
+
+    words: str
+    separation: float
+    cost: float
+    sentence: str
+
+
+def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], progress: Progress = quiet) -> tuple[Suggestion, ...]:
+    """Rank measurements not yet taken by how far they drive explanations apart for their cost.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of the records that could not decide.
+    fit : Fit
+        The explanation that was chosen, and the nuisances.
+    rivals : iterable of tuple of Effect
+        The other ones, as fitted.
+    progress : Progress
+        Told after each measurement.
+
+    Returns
+    -------
+    tuple of Suggestion
+        The best first.
+
+    Notes
+    -----
+    The distance of two predictions d is sqrt(d' (S + A A')^-1 d): S holds the noise, A the derivatives over the constant, the
+    nuisances and the errors of single teeth, each times its prior deviation, so that only what they cannot imitate counts.
+    """
+    explanations = [fit.effects, *list(rivals)[:4]]
+    plans = _plans(problem, fit, explanations)
+    found = []
+    for number, plan in enumerate(plans):
+        progress("what to measure next", number, len(plans))
+        try:
+            distance = _separation(problem, fit, plan, explanations)
+        except (InputError, SolveError):
+            continue
+        sentence = f"Measure {plan.words}: the explanations then differ by at least {distance:.1f} standard deviations."
+        found.append(Suggestion(words=plan.words, separation=distance, cost=plan.cost, sentence=sentence))
+    progress("what to measure next", len(plans), len(plans))
+    # Beyond some twenty deviations any measurement decides, and the cheaper one wins.
+    return tuple(sorted(found, key=lambda one: -min(one.separation, 20.0) / one.cost))
+
+
+def _separation(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple[Effect, ...]]) -> float:
+    benches = [problem.bench(effects) for effects in explanations]
+    squares = np.zeros((len(benches), len(benches)))
+    for record in plan.records:
+        predictions = [bench.predict(record, fit.settings) for bench in benches]
+        noise = record.noise_std or STIFFNESS * float(np.mean(predictions[0]))
+        constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
+        nuisances = SCALES + MOVING
+        moved = slopes(record, benches[0], fit.settings, nuisances, _moved(problem, fit, nuisances))
+        teeth = tooth_columns(record, benches[0], fit.settings, problem.scatter) * problem.teeth
+        elimination = eliminate(np.concatenate([constant, moved, teeth], axis=1) / noise)
+        for i, j in itertools.combinations(range(len(benches)), 2):
+            difference = (predictions[i] - predictions[j]) / noise
+            squares[i, j] += float(elimination.gram(difference, difference))
+    return math.sqrt(max(min(squares[i, j] for i, j in itertools.combinations(range(len(benches)), 2)), 0.0))
+
+
+def _moved(problem: Problem, fit: Fit, nuisances: tuple[object, ...]) -> Array:
+    """Return where nuisances stand in prior deviations, 0 for those that the campaign does not feel."""
+    names = [nuisance.name for nuisance in problem.nuisances]
+    return np.array([fit.point.unknown[names.index(n.name)] if n.name in names else 0.0 for n in nuisances])  # type: ignore[attr-defined]
+
+
+# ---- what can be measured -------------------------------------------------------------------------------
+
+
+def _plans(problem: Problem, fit: Fit, explanations: list[tuple[Effect, ...]]) -> list[Plan]:
+    """Return the measurements that the campaign has not taken."""
+    setup, records = problem.campaign.setup, problem.campaign.records
+    pair, rated = setup.pair, setup.operation.pinion_torque
+    noise = [one.std for one in problem.noises if one is not None and one.std < 1e-4]
+    std = float(np.median(noise)) if noise else 0.3 * UM
+    angle = np.arange(round(TURNS * pair.pinion.teeth * SAMPLES)) / SAMPLES * pair.pinion.pitch_angle
+    plans = []
+    taken = [record.pinion_torque for record in records if record.quantity.name == "static_transmission_error"]
+    for share in TORQUES:
+        torque = share * rated
+        if not any(1.0 / TAKEN < torque / other < TAKEN for other in taken):
+            words = f"the slow transmission error at {torque:.3g} N m ({100.0 * share:.0f} % of the rated torque)"
+            plans.append(Plan(words=words, records=(_record("static_transmission_error", angle, std, torque=torque),), cost=1.0))
+    hunting = pair.wheel.teeth // math.gcd(pair.pinion.teeth, pair.wheel.teeth)
+    longest = max((float(np.ptp(record.axis)) for record in records if record.quantity.axis == "angle"), default=0.0)
+    if longest < 0.9 * hunting * 2.0 * math.pi:
+        whole = np.arange(hunting * pair.pinion.teeth * SAMPLES // 2) / (SAMPLES // 2) * pair.pinion.pitch_angle
+        words = f"the slow transmission error at {rated:.3g} N m over a whole hunting cycle ({hunting} turns of the pinion)"
+        plans.append(Plan(words=words, records=(_record("static_transmission_error", whole, std, torque=rated),), cost=2.0))
+    plans.append(
+        Plan(words=f"the mesh stiffness at {rated:.3g} N m", records=(_record("mesh_stiffness", angle, None, torque=rated),), cost=2.0)
+    )
+    return plans + _at_speed(problem, fit, angle, std) + _of_gears(problem, explanations)
+
+
+def _at_speed(problem: Problem, fit: Fit, angle: Array, std: float) -> list[Plan]:
+    setup = problem.campaign.setup
+    torque = setup.operation.pinion_torque
+    resonance = problem.bench(()).oscillator(torque, fit.settings).frequency / setup.pair.pinion.teeth
+    plans = []
+    for shares in SPEEDS:
+        records = tuple(_record("dynamic_transmission_error", angle, std, torque=torque, speed=share * resonance) for share in shares)
+        speeds = " and ".join(f"{share * resonance / RPM:.3g}" for share in shares)
+        words = f"the transmission error at {speeds} rpm and {torque:.3g} N m, on both sides of the resonance"
+        plans.append(Plan(words=words, records=records, cost=3.0))
+    return plans
+
+
+def _of_gears(problem: Problem, explanations: list[tuple[Effect, ...]]) -> list[Plan]:
+    """Return measurements of single gears off the rig: flank traces of the suspected teeth, pitch and runout."""
+    setup = problem.campaign.setup
+    plans = []
+    for member in MEMBERS:
+        teeth = (setup.pair.pinion if member == "pinion" else setup.pair.wheel).teeth
+        active = active_flank(setup, member)
+        roll = np.linspace(active.lowest, active.tip, 61)
+        suspects = {getattr(e, "tooth", 0) for effects in explanations for e in effects if e.stage == "flank" and e.member == member}
+        for tooth in sorted(suspects or {0}):
+            if not _has(problem, "flank_profile", member, tooth):
+                words = f"the flank of tooth {tooth} of the {member} (a profile trace)"
+                record = _record("flank_profile", roll, INDICATOR, gear=member, tooth=tooth)
+                plans.append(Plan(words=words, records=(record,), cost=1.0))
+        turned = np.arange(2.0 * teeth)
+        for name, words in (("pitch_deviation", "the pitch deviations"), ("radial_runout", "the radial runout")):
+            if not _has(problem, name, member, None):
+                record = _record(name, turned, INDICATOR, gear=member)
+                plans.append(Plan(words=f"{words} of the {member}", records=(record,), cost=1.0))
+    return plans
+
+
+def _has(problem: Problem, name: str, member: Member, tooth: int | None) -> bool:
+    return any(r.quantity.name == name and r.gear == member and r.tooth in (tooth, None) for r in problem.campaign.records)
+
+
+def _record(
+    name: str, axis: Array, std: float | None, torque: float = 0.0, speed: float = 0.0, gear: Member | None = None, tooth: int | None = None
+) -> Measurement:
+    return Measurement(
+        file=name,
+        quantity=QUANTITIES[name],
+        axis=axis,
+        value=np.zeros(len(axis)),
+        line=np.arange(len(axis)),
+        keep=np.ones(len(axis), bool),
+        pinion_torque=torque,
+        pinion_speed=speed,
+        gear=gear,
+        tooth=tooth,
+        noise_std=std,
+    )

@@ -1,0 +1,155 @@
+"""What a diagnosis writes: `diagnosis.json` and the updated model."""
+
+from __future__ import annotations
+
+import math
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gearfem.diagnosis.diagnose import Diagnosis
+from gearfem.diagnosis.model_form import VARIANTS
+from gearfem.diagnosis.name import Rival
+from gearfem.diagnosis.prove import Gap
+from gearfem.diagnosis.updated import write_updated
+from gearfem.effects.effect import Effect
+from gearfem.foundation.files import write_json
+from gearfem.foundation.units import UM, factor
+
+RESULT, MODEL = "diagnosis.json", "updated.toml"
+# A nuisance beyond so many prior deviations is a finding itself.
+FINDING = 3.0
+# Explanations that lost and are listed all the same.
+LISTED = 5
+
+
+def write_diagnosis(diagnosis: Diagnosis, out: Path) -> list[Path]:
+    """Write diagnosis.json and updated.toml, each whole or not at all.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        Of a campaign.
+    out : Path
+        Folder.
+
+    Returns
+    -------
+    list of Path
+    """
+    model = write_updated(diagnosis.campaign, diagnosis.naming.fit, diagnosis.proof, Path(out) / MODEL)
+    write_json(Path(out) / RESULT, as_json(diagnosis))
+    return [Path(out) / RESULT, model]
+
+
+def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the content of diagnosis.json."""
+    naming, proof = diagnosis.naming, diagnosis.proof
+    beside = diagnosis.alternatives or naming.rivals[:LISTED]
+    return {
+        "verdict": naming.verdict,
+        "sentence": naming.sentence,
+        "effects": [_named(diagnosis, number) for number in range(len(naming.fit.effects))],
+        "alternatives": [_rival(rival) for rival in beside],
+        "threshold": naming.threshold,
+        "where": [
+            {
+                "record": place.record,
+                "domain": place.domain,
+                "zone": place.zone,
+                "share_of_residual": place.share_of_residual,
+                "significance": place.significance,
+                "sentence": place.sentence,
+            }
+            for place in diagnosis.before.where
+        ],
+        "gap_significance": {"p_value": diagnosis.before.p_value, "sentence": diagnosis.before.sentence},
+        "gap": [_gap(gap) for gap in proof.records],
+        "holdout": {"over_nuisances": proof.over_nuisances, "over_smooth": proof.over_smooth, "reasons": list(proof.reasons)},
+        "nuisances": nuisance_rows(diagnosis),
+        "suggestion": diagnosis.suggestions[0].sentence if diagnosis.suggestions else None,
+        "suggestions": [{"measure": one.words, "separation": one.separation, "cost": one.cost} for one in diagnosis.suggestions[:3]],
+        "reasons": list(naming.reasons),
+        "notes": notes(diagnosis),
+        "model": MODEL,
+        "version": version("gearfem"),
+    }
+
+
+def stderr(effect: Effect, field: str, deviation: float) -> float | None:
+    """Return the standard error of a parameter in the unit of its key; None where the data say nothing of it."""
+    known = effect.parameters()[field]
+    value = deviation * getattr(effect, field) ** 2 if known.reciprocal else deviation
+    return value / factor(effect.key(field)) if math.isfinite(value) else None
+
+
+def _named(diagnosis: Diagnosis, number: int) -> dict[str, Any]:
+    naming = diagnosis.naming
+    effect, deviations = naming.fit.effects[number], naming.fit.deviations[number]
+    parameters: dict[str, Any] = {}
+    for key, field in effect.keys().items():
+        value = getattr(effect, field)
+        if field not in effect.parameters():
+            parameters[key] = {"value": value}
+            continue
+        parameters[key] = {"value": value / factor(key), "stderr": stderr(effect, field, deviations[field])}
+        if (number, field) in naming.fit.bound:
+            parameters[key]["at_bound"] = True
+    return {"name": effect.name, "parameters": parameters, "p_value": naming.p_values[number], "sentence": effect.describe()}
+
+
+def _rival(rival: Rival) -> dict[str, Any]:
+    tables = [effect.table() for effect in rival.effects]
+    names = [effect.name for effect in rival.effects]
+    return {"effects": names, "score_difference": rival.score_difference, "parameters": tables, "why": rival.why}
+
+
+def _gap(gap: Gap) -> dict[str, Any]:
+    scale = gap.measurement.to_file
+    row: dict[str, Any] = {
+        "record": gap.measurement.file,
+        "role": gap.role,
+        "unit": gap.measurement.quantity.unit,
+        "before_rms": gap.rms(gap.before) * scale,
+        "nuisances_only_rms": gap.rms(gap.nuisances_only) * scale,
+        "smooth_rms": gap.rms(gap.smooth) * scale if gap.smooth.size else None,
+        "after_rms": gap.rms(gap.after) * scale,
+        "noise_rms": gap.noise_rms * scale,
+        "floor_rms": gap.floor_rms * scale,
+    }
+    return row if gap.measurement.tooth_known else row | {"first_tooth": gap.first_tooth}
+
+
+def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Return where nuisances went, in prior deviations: settings, errors of our own model, index errors of each gear."""
+    problem, fit = diagnosis.problem, diagnosis.naming.fit
+    rows: list[dict[str, Any]] = []
+    for nuisance, moved in zip(problem.nuisances, fit.point.unknown, strict=False):
+        rows.append(_row(nuisance.name, nuisance.words, float(moved)) | {"value": float(getattr(fit.settings, nuisance.name))})
+    for variant, moved in zip(VARIANTS, fit.point.unknown[problem.first_form :], strict=False):
+        rows.append(_row("model_form", f"error of the model: {variant.words}", float(moved)))
+    for member, late in (("pinion", fit.settings.pinion_late), ("wheel", fit.settings.wheel_late)):
+        worst = int(np.argmax(np.abs(late)))
+        words = f"index error of tooth {worst} of the {member}, the largest"
+        rows.append(
+            _row(f"{member}_index_error_um", words, float(late[worst]) / problem.scatter.index) | {"value": float(late[worst]) / UM}
+        )
+    return rows
+
+
+def _row(name: str, words: str, moved: float) -> dict[str, Any]:
+    return {"name": name, "words": words, "prior_deviations": moved, "finding": abs(moved) > FINDING}
+
+
+def notes(diagnosis: Diagnosis) -> list[str]:
+    """Return what a reader must know besides: faults of the data and their repair, roles, noise, shifts beyond their priors."""
+    remarks = [f"{remark.record}: {remark.sentence}" for remark in diagnosis.campaign.remarks]
+    noise = [f"{r.file}: {n.sentence}" for r, n in zip(diagnosis.problem.records, diagnosis.problem.noises, strict=True)]
+    shifts = [
+        f"{row['words']}: {row['prior_deviations']:+.1f} prior deviations, more than {FINDING:g}: a finding of its own"
+        for row in nuisance_rows(diagnosis)
+        if row["finding"]
+    ]
+    return [*remarks, *noise, *shifts]

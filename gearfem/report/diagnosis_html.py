@@ -1,0 +1,147 @@
+"""The report of a diagnosis: one HTML page that holds its pictures and asks nothing of the network."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from gearfem.diagnosis.diagnose import Diagnosis
+from gearfem.diagnosis.name import Rival
+from gearfem.diagnosis.prove import Gap
+from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, stderr
+from gearfem.effects.effect import Effect
+from gearfem.foundation.files import whole
+from gearfem.foundation.units import factor
+from gearfem.report.diagnosis_plots import write_diagnosis_pictures
+from gearfem.report.html import inline, template
+
+HEADINGS = {
+    "explained": "Explained",
+    "partly_explained": "Partly explained",
+    "no_discrepancy": "No discrepancy",
+    "unexplained": "A gap without a name",
+    "ambiguous": "Several explanations",
+}
+# Of a normal distribution.
+INTERVAL = 1.96
+CAPTIONS = {
+    "gap": (
+        "What is left of every record",
+        "Each in parts of its floor, what a right model would leave: the sensor's noise and the waviness of teeth.",
+    ),
+    "records": ("What is left over three pitches", "Measured less computed; the constant of each record is taken off."),
+    "map_mesh_phase": (
+        "Where in the mesh cycle",
+        "Power of what is left, over what noise, nuisances and errors of the model leave: 1 is nothing. Records from low to high "
+        "torque, those at speed below.",
+    ),
+    "map_order": ("At which orders", "The same over the orders of the pinion's turns that are strongest before."),
+    "map_pinion": ("On which teeth of the pinion", "The same over the teeth, by the one nearest to the middle of its path of contact."),
+    "map_wheel": ("On which teeth of the wheel", "The same for the wheel."),
+}
+ASSUMPTIONS = (
+    "Nuisances carry Gaussian priors: stiffness 5 %, torque 1 %, gain 2 %, inertia 2 %, damping 30 %, index error of each tooth 1 µm.",
+    "Errors of our own model carry priors too: contact law 10 %, bodies 20 %, depth of the contact, friction 0.02, tip edges, form "
+    "errors that all teeth share.",
+    "Intervals are 95 % of a normal distribution, linear about the fit; nuisances and errors of the model are in them.",
+)
+
+
+class ParameterRow(NamedTuple):
+    """One parameter with its interval."""
+
+    effect: str
+    words: str
+    value: str
+    low: str
+    high: str
+    unit: str
+    remark: str
+
+
+def write_diagnosis_report(diagnosis: Diagnosis, out: Path) -> list[Path]:
+    """Write report.html and the pictures beside it.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        Of a campaign.
+    out : Path
+        Folder.
+
+    Returns
+    -------
+    list of Path
+        The page first.
+    """
+    drawn = write_diagnosis_pictures(diagnosis, out)
+    naming = diagnosis.naming
+    page = template("diagnosis.html").render(
+        name=diagnosis.campaign.name,
+        version=version("gearfem"),
+        heading=HEADINGS[naming.verdict],
+        verdict=naming.verdict,
+        sentence=naming.sentence,
+        reasons=[*naming.reasons, *diagnosis.proof.reasons],
+        places=[place.sentence for place in diagnosis.before.where[:6]],
+        gap_sentence=diagnosis.before.sentence,
+        parameters=_parameters(diagnosis),
+        effects=naming.fit.effects,
+        p_values=naming.p_values,
+        rivals=[_rival(rival, naming.threshold) for rival in (diagnosis.alternatives or naming.rivals[:8])],
+        nuisances=nuisance_rows(diagnosis),
+        finding=FINDING,
+        gaps=[_gap(gap) for gap in diagnosis.proof.records],
+        suggestions=diagnosis.suggestions[:3],
+        notes=notes(diagnosis),
+        assumptions=[*ASSUMPTIONS, *diagnosis.campaign.setup.assumptions],
+        pictures=[(*CAPTIONS[key], inline(drawn[key])) for key in CAPTIONS if key in drawn],
+    )
+    path = Path(out) / "report.html"
+    with whole(path) as temporary:
+        temporary.write_text(page, encoding="utf-8")
+    return [path, *drawn.values()]
+
+
+def _parameters(diagnosis: Diagnosis) -> list[ParameterRow]:
+    fit = diagnosis.naming.fit
+    rows = []
+    for number, (effect, deviations) in enumerate(zip(fit.effects, fit.deviations, strict=True)):
+        for field, known in effect.parameters().items():
+            key = effect.key(field)
+            value, error = getattr(effect, field) / factor(key), stderr(effect, field, deviations[field])
+            half = 0.0 if error is None else INTERVAL * error
+            low, high = ("", "") if error is None else (f"{value - half:.4g}", f"{value + half:.4g}")
+            remark = "at its bound" if (number, field) in fit.bound else ""
+            rows.append(ParameterRow(title(effect), known.words, f"{value:.4g}", low, high, known.unit.replace("_per_", "/"), remark))
+    return rows
+
+
+def title(effect: Effect) -> str:
+    """Return an effect in few words: name, gear and tooth."""
+    parts = [effect.name.replace("_", " ")]
+    if effect.of_one_gear():
+        parts.append(f"of the {effect.member}")
+    if hasattr(effect, "tooth"):
+        parts.append(f"on tooth {effect.tooth}")
+    return " ".join(parts)
+
+
+def _rival(rival: Rival, threshold: float) -> dict[str, Any]:
+    return {
+        "effects": " and ".join(title(effect) for effect in rival.effects),
+        "difference": f"{rival.score_difference:.1f}",
+        "near": rival.score_difference < threshold,
+        "why": rival.why,
+        "detail": "; ".join(effect.describe() for effect in rival.effects),
+    }
+
+
+def _gap(gap: Gap) -> dict[str, Any]:
+    scale = gap.measurement.to_file
+    row = {"record": gap.measurement.file, "role": "held out" if gap.role == "holdout" else "fitted", "unit": gap.measurement.quantity.unit}
+    series = {"before": gap.before, "nuisances": gap.nuisances_only, "smooth": gap.smooth, "after": gap.after}
+    numbers = {key: f"{gap.rms(values) * scale:.3g}" if values.size else "-" for key, values in series.items()}
+    floors = {"noise": f"{gap.noise_rms * scale:.3g}", "floor": f"{gap.floor_rms * scale:.3g}", "closure": f"{100.0 * gap.closure:.0f} %"}
+    return row | numbers | floors
