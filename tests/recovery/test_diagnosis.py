@@ -1,0 +1,145 @@
+"""A whole diagnosis of a small campaign from the virtual rig: what it proves, writes and suggests."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from gearfem.cli import main
+from gearfem.diagnosis import Diagnosis, choose, diagnose, read_campaign, write_diagnosis
+from gearfem.diagnosis.suggest import suggest
+from gearfem.diagnosis.write import as_json
+from gearfem.effects.catalogue import catalogue
+from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.tip_relief import TipRelief
+from gearfem.foundation import InputError
+from gearfem.foundation.toml import write_toml
+from gearfem.foundation.units import MM, UM
+from gearfem.model import load_model
+from gearfem.pipeline import assemble
+from gearfem.report import write_diagnosis_report
+from gearfem.rig import measure, read_plan
+from gearfem.sensing import observe, requests
+
+NOMINAL: dict[str, Any] = {
+    "name": "small pair",
+    "pair": {"module_mm": 3.0, "face_width_mm": 20.0, "normal_backlash_mm": 0.1},
+    "pinion": {"teeth": 13, "profile_shift": 0.3},
+    "wheel": {"teeth": 17},
+    "operation": {"pinion_torque_Nm": 100.0, "pinion_speed_rpm": 1000.0},
+}
+HIDDEN = {"name": "tip_relief", "gear": "wheel", "amount_um": 14.0, "length_mm": 2.5}
+TORQUES = (6.0, 40.0, 80.0, 120.0)
+PLAN: dict[str, Any] = {
+    "name": "rig 7",
+    "seed": 7,
+    "scatter": {"index_error_um": 0.5},
+    "instrument": {"noise_std": 0.2},
+    "record": [
+        {"file": f"te_{torque:g}Nm.csv", "quantity": "static_transmission_error", "pinion_torque_Nm": torque}
+        | {"samples_per_turn": 234, "turns": 1.4}
+        for torque in TORQUES
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Measure a pair with tip relief on the virtual rig; return the campaign file."""
+    folder = tmp_path_factory.mktemp("campaign")
+    write_toml(folder / "true.toml", NOMINAL | {"effect": [HIDDEN], "calibration": {"stiffness_scale": 1.02}})
+    write_toml(folder / "plan.toml", PLAN)
+    true = load_model(folder / "true.toml")
+    measure(true, read_plan(folder / "plan.toml", true.pair), NOMINAL, folder / "rig")
+    return folder / "rig" / "campaign.toml"
+
+
+@pytest.fixture(scope="module")
+def found(campaign: Path) -> Diagnosis:
+    return diagnose(read_campaign(campaign), choose(catalogue(), ["tip_relief"]))
+
+
+def test_the_named_effect_beats_nuisances_and_a_smooth_correction_where_nobody_looked(found: Diagnosis) -> None:
+    (held,) = found.proof.of("holdout")
+    assert held.measurement.pinion_torque == 80.0
+    assert found.proof.stands
+    assert found.proof.over_nuisances is not None
+    assert found.proof.over_nuisances > 1.5
+    assert held.rms(held.after) < 0.3 * held.rms(held.before)
+    # 0.2 um of noise, and no waviness on this rig: what the floor adds to it is the doubt of the fit.
+    assert held.noise_rms == pytest.approx(0.2 * UM, rel=0.15, abs=0.0)
+    assert held.noise_rms < held.floor_rms < 1.5 * held.noise_rms
+
+
+def test_hold_out_records_do_not_touch_the_fit(campaign: Path, found: Diagnosis) -> None:
+    assert {record.file for record in found.problem.records} == {f"te_{torque:g}Nm.csv" for torque in TORQUES if torque != 80.0}
+
+
+def test_the_updated_model_meets_every_record_as_the_proof_does(found: Diagnosis, tmp_path: Path) -> None:
+    write_diagnosis(found, tmp_path)
+    setup = load_model(tmp_path / "updated.toml")
+    system = assemble(setup)
+    gaps = json.loads((tmp_path / "diagnosis.json").read_text())["gap"]
+    for record, gap in zip(found.campaign.records, gaps, strict=True):
+        request = requests()[record.quantity.name](axis=record.axis, pinion_torque=record.pinion_torque, file=record.file)
+        left = (record.value - observe(system, request))[record.keep] / UM
+        assert float(np.sqrt(np.mean(left**2))) == pytest.approx(gap["after_rms"], rel=1e-6)
+
+
+def test_the_result_has_the_keys_and_units_of_its_format(found: Diagnosis) -> None:
+    result = as_json(found)
+    assert result["verdict"] in ("explained", "partly_explained", "ambiguous")
+    effect = result["effects"][0]
+    assert effect["name"] == "tip_relief"
+    assert effect["parameters"]["gear"] == {"value": "wheel"}
+    assert effect["parameters"]["amount_um"]["value"] == pytest.approx(14.0, rel=0.3)
+    assert effect["parameters"]["length_mm"]["stderr"] > 0.0
+    assert {gap["role"] for gap in result["gap"]} == {"fit", "holdout"}
+    assert all(gap["unit"] == "um" for gap in result["gap"])
+    assert {place["domain"] for place in result["where"]} <= {"mesh_phase", "order", "tooth", "frequency"}
+    json.dumps(result, allow_nan=False)
+
+
+def test_the_report_holds_its_pictures_and_asks_nothing_of_the_network(found: Diagnosis, tmp_path: Path) -> None:
+    files = write_diagnosis_report(found, tmp_path)
+    page = files[0].read_text()
+    assert found.naming.sentence in page
+    assert page.count("data:image/png;base64,") == len(files) - 1 == 6
+    assert "http" not in page
+    for record in found.campaign.records:
+        assert record.file in page
+
+
+def test_a_measurement_that_cannot_decide_is_not_suggested(found: Diagnosis) -> None:
+    relief = TipRelief(gear="wheel", amount=14.0 * UM, length=2.5 * MM)
+    slope = ProfileSlope(gear="pinion", amount=8.0 * UM)
+    ranked = suggest(found.problem, found.naming.fit, [(slope,)] if found.naming.fit.effects else [(relief,), (slope,)])
+    words = [one.words for one in ranked]
+    # Neither effect moves an axis: runout is the same under both.
+    runout = next(one for one in ranked if one.words == "the radial runout of the wheel")
+    assert runout.separation < 1e-6
+    assert words.index(runout.words) >= len(words) - 4
+    assert ranked[0].separation > 5.0
+
+
+def test_only_and_exclude_refuse_names_that_do_not_exist() -> None:
+    with pytest.raises(InputError, match="tip_relief"):
+        choose(catalogue(), ["tiprelief"])
+    with pytest.raises(InputError, match="no effect left"):
+        choose(catalogue(), ["runout"], ["runout"])
+    assert "runout" not in choose(catalogue(), exclude=["runout"])
+
+
+@pytest.mark.parametrize("words", [["--only", "tiprelief"], ["--effects", "nowhere.py"], []])
+def test_a_refused_command_ends_in_one_line_and_leaves_nothing(tmp_path: Path, words: list[str]) -> None:
+    (tmp_path / "campaign.toml").write_text("name = 3\n")
+    result = CliRunner().invoke(main, ["diagnose", str(tmp_path / "campaign.toml"), "--out", str(tmp_path / "out"), *words])
+    assert result.exit_code == 2
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.startswith("error: ")
+    assert not (tmp_path / "out").exists()
