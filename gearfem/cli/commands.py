@@ -173,21 +173,27 @@ def stiffness(model: str, out: str, overrides: tuple[str, ...], steps: int, torq
 
 @main.command(short_help="Gear ratios, contact points, velocities.")
 @_model_command
-@_steps
-def kinematics(model: str, out: str, overrides: tuple[str, ...], steps: int) -> None:
-    """Write kinematics.csv: gear ratios, contact points and velocities of each pair in contact.
+@click.option("--steps", type=click.IntRange(200, 100_000), default=400, show_default=True, help="Steps of the pinion angle.")
+@click.option("--pitches", type=float, nargs=2, default=(-1.0, 1.0), show_default=True, help="First and last pinion angle, in pitches.")
+@click.option("--gif", is_flag=True, help="engagement.gif too: the two gears over one pitch, with their contact points.")
+def kinematics(model: str, out: str, overrides: tuple[str, ...], steps: int, pitches: tuple[float, float], gif: bool) -> None:
+    """Write kinematics.csv: gear ratios, contact points and velocities of each pair in contact, worn teeth and odd ones too.
+
+    With flank_outlines.png, flanks with what is missing from them enlarged; line_of_action.png, the way of the contact points, straight
+    or not, and where one or two pairs carry; gear_ratios.png, the four ratios; and, of pair 0, rolling.png, specific_sliding.png and
+    contact_pressure.png.
 
     \b
-    Units: mm, deg, m/s at the model's speed, rad.
+    Units: mm, deg, m/s at the model's speed, MPa, N, rad.
     Example:
-      gearfem kinematics model.toml --out results --steps 1000
+      gearfem kinematics model.toml --out results --steps 1000 --gif
     """
     from gearfem.cli import steps as work
 
     target = folder(out)
     setup = _load(model, overrides)
     with Bars() as progress:
-        done = work.kinematics(setup, target, steps, progress)
+        done = work.kinematics(setup, target, steps, pitches, gif, progress)
     work.say(done)
 
 
@@ -298,6 +304,40 @@ def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str |
         folder(str(Path(path).parent))
     setup = _load(model, overrides)
     steps.say(meshes.write(setup, targets, support, dim, resolution))
+
+
+@main.command(short_help="Flanks worn over some hours of operation.")
+@_model_command
+@click.option("--hours", type=float, required=True, metavar="H", help="Time at the model's speed and torque, in hours.")
+@click.option("--coefficient", type=float, required=True, metavar="K", help="k of Archard's law in 1/Pa, of both gears.")
+@click.option("--wheel-coefficient", type=float, default=None, metavar="K", help="k of the wheel, where it differs.")
+@click.option("--rolling", type=float, default=0.0, show_default=True, metavar="R", help="Part of rolling that wears as sliding (dirt).")
+def wear(
+    model: str, out: str, overrides: tuple[str, ...], hours: float, coefficient: float, wheel_coefficient: float | None, rolling: float
+) -> None:
+    """Wear the flanks of MODEL by Archard's law, contacts and load sharing following: worn.toml, which every command runs.
+
+    With worn_pinion.csv and worn_wheel.csv, the flanks that it names; wear.csv, depths, volumes, transmission error and pressure
+    over the life; wear_depth.png and wear_life.png. Nothing is written before the end of the life.
+
+    Archard: depth = k p v_s t, p the pressure and v_s the sliding of each contact; per passage k w |v_s|/v_r, w the load per
+    width and v_r the rolling velocity. k of lubricated steel lies about 1e-18 to 1e-16 per Pa (m2/N; 1e-18 is 1e-9 mm3/(N m)).
+    Dirt that is rolled over wears the pitch point too: --rolling adds that part of the way rolled to the sliding.
+
+    \b
+    Units: h, 1/Pa, um, mm3, MPa.
+    Example:
+      gearfem wear model.toml --hours 3000 --coefficient 2e-17 --out worn
+      gearfem run worn/worn.toml --out results
+    """
+    from gearfem.cli import steps, wearing
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    both = (coefficient, coefficient if wheel_coefficient is None else wheel_coefficient)
+    with Bars() as progress:
+        done = wearing.run_wear(setup, model, overrides, hours, both, rolling, target, progress)
+    steps.say(done)
 
 
 @main.command(short_help="A campaign measured on a virtual rig.")

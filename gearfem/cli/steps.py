@@ -42,10 +42,12 @@ from gearfem.pipeline import run as run_chain
 from gearfem.report import (
     Rendering,
     summarise,
+    write_animation,
     write_body,
     write_compliance,
     write_dynamics,
     write_kinematics,
+    write_kinematics_pictures,
     write_measured_flanks,
     write_motion_pictures,
     write_pictures,
@@ -59,6 +61,8 @@ from gearfem.report import (
 )
 
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
+# A longer stretch is another question than a look at the engagement.
+MOST_PITCHES = 1000.0
 SUPPORTS: dict[str, type[Bore] | type[Root] | type[RootChord]] = {"bore": Bore, "root": Root, "root_chord": RootChord}
 
 
@@ -180,10 +184,20 @@ def stiffness(setup: Setup, out: Path, steps: int, torques: Sequence[float], pro
     return Done(list(dict.fromkeys(lines)), files)
 
 
-def kinematics(setup: Setup, out: Path, steps: int, progress: Progress) -> Done:
+def kinematics(setup: Setup, out: Path, steps: int, pitches: tuple[float, float], gif: bool, progress: Progress) -> Done:
     """Compute the engagement for its kinematics."""
-    results = run_chain(setup, "engagement", angles=_angles(setup.pair, steps), progress=progress)
-    return Done(_numbers(results), [write_kinematics(results, out)])
+    first, last = pitches
+    if not (math.isfinite(first) and math.isfinite(last) and first + 1.0 <= last <= first + MOST_PITCHES):
+        found, allowed = f"{first:g} {last:g}", f"two numbers, the second larger by 1 to {MOST_PITCHES:g}"
+        raise InputError("--pitches", found, allowed)
+    angles = np.linspace(first, last, steps + 1) * setup.pair.pinion.pitch_angle
+    results = run_chain(setup, "engagement", angles=angles, progress=progress)
+    files = [write_kinematics(results, out), *write_kinematics_pictures(results, out)]
+    if gif:
+        progress("animation", 0, 1)
+        files.append(write_animation(results, out))
+        progress("animation", 1, 1)
+    return Done(_numbers(results), files)
 
 
 def dynamics(setup: Setup, out: Path, progress: Progress) -> Done:

@@ -6,10 +6,12 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from gearfem.report.animation import write_animation
     from gearfem.report.body_table import write_body
     from gearfem.report.diagnosis_html import write_diagnosis_report
     from gearfem.report.flank_plots import write_measured_flanks
     from gearfem.report.html import write_report
+    from gearfem.report.kinematics_plots import write_kinematics_pictures
     from gearfem.report.motion_plots import write_motion_pictures, write_sweep_pictures
     from gearfem.report.plots import write_pictures
     from gearfem.report.render import Rendering, write_render, write_vtu
@@ -23,11 +25,13 @@ if TYPE_CHECKING:
 __all__ = [
     "Rendering",
     "summarise",
+    "write_animation",
     "write_body",
     "write_compliance",
     "write_diagnosis_report",
     "write_dynamics",
     "write_kinematics",
+    "write_kinematics_pictures",
     "write_measured_flanks",
     "write_motion_pictures",
     "write_pictures",
@@ -44,6 +48,8 @@ __all__ = [
 ]
 
 _HOMES = {
+    "animation": ("write_animation",),
+    "kinematics_plots": ("write_kinematics_pictures",),
     "diagnosis_html": ("write_diagnosis_report",),
     "flank_plots": ("write_measured_flanks",),
     "html": ("write_report",),

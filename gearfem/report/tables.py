@@ -191,7 +191,8 @@ def write_kinematics(results: Results, out: Path) -> Path:
     Returns
     -------
     Path
-        The file.
+        The file. `gear_ratio_pair` is that of the common normal (Wojnarowski & Onishchenko 2003, eq. 10), which in contact of one
+        rigid pair is the unloaded one; material velocities are those of the points of both gears in contact (footnote to eq. 12).
     """
     engagement = need(results.engagement, "engagement")
     contacts, speed = engagement.contacts, results.setup.operation.pinion_speed
@@ -209,6 +210,13 @@ def write_kinematics(results: Results, out: Path) -> Path:
         "rolling_velocity_2_m_per_s": contacts.rolling_velocity2[row, column] * speed,
         "sliding_velocity_m_per_s": contacts.sliding_velocity[row, column] * speed,
         "equivalent_radius_mm": contacts.equivalent_radius[row, column],
+        "gear_ratio_pair": (contacts.arm2 / contacts.arm1)[row, column],
+        "material_velocity_1_m_per_s": contacts.material_velocity1[row, column] * speed,
+        "material_velocity_2_m_per_s": contacts.material_velocity2[row, column] * speed,
+        "specific_sliding_1": contacts.specific_sliding1[row, column],
+        "specific_sliding_2": contacts.specific_sliding2[row, column],
+        "contact_pressure_MPa": engagement.contact_pressure[row, column],
+        "normal_force_N": engagement.force[row, column],
     }
     return _write(results, Path(out) / "kinematics.csv", columns)
 

@@ -22,6 +22,7 @@ LINE = (
     "effects",
     "model",
     "pipeline",
+    "wear",
     "diagnosis",
     "rig",
     "report",

@@ -1,0 +1,237 @@
+"""The life of a pair: flanks that wear, contacts that follow them, step by step."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from gearfem.definition.setup import Gear, Member, Setup
+from gearfem.effects.effect import Effect
+from gearfem.engagement.engage import Mesh, engage
+from gearfem.engagement.record import Engagement
+from gearfem.flank import Deviation
+from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation.progress import Progress, quiet
+from gearfem.pipeline import assemble
+from gearfem.wear.archard import FINEST, Archard, wear_rates
+from gearfem.wear.volume import removed_volume
+from gearfem.wear.worn import Worn
+
+MEMBERS: tuple[Member, Member] = ("pinion", "wheel")
+# Error of a step (rms over the flank), as a part of the deflection under the load, which decides how pairs share it.
+TOLERANCE = 0.01
+# Teeth bend as before until so many modules are worn; the transmission error is then off by about 1 %.
+BENDS = 0.01
+GROWTH, SHRINK, SAFETY = 2.0, 0.2, 0.9
+ANGLES, MOST_STEPS, SHORTEST = 120, 20_000, 1e-9
+Depths = dict[Member, Array]
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Life(Record):
+    """What wear does to a pair over turns of its pinion; rows are steps of the computation, the first one before any wear.
+
+    Parameters
+    ----------
+    setup : Setup
+        The pair before.
+    law : Archard
+        By which it wears.
+    turns : ndarray, shape (n,)
+        Turns of the pinion.
+    pinion_depth, wheel_depth : ndarray, shape (n, k)
+        Depth worn off since the beginning at the roll lengths of `Deviation.none(gear).roll` [m].
+    pinion_volume, wheel_volume : ndarray, shape (n,)
+        Metal missing from one flank over the face width, what was missing before included [m3].
+    transmission_error : ndarray, shape (n,)
+        From peak to peak, under the operation torque [m].
+    contact_pressure : ndarray, shape (n,)
+        Largest pressure of all contacts [Pa].
+    """
+
+    setup: Setup
+    law: Archard
+    turns: Array
+    pinion_depth: Array
+    wheel_depth: Array
+    pinion_volume: Array
+    wheel_volume: Array
+    transmission_error: Array
+    contact_pressure: Array
+
+    @property
+    def hours(self) -> Array:
+        """Time at the operation's speed [h]."""
+        return self.turns * 2.0 * math.pi / self.setup.operation.pinion_speed / 3600.0
+
+    def depth(self, member: Member) -> Array:
+        """Return the depths of a gear [m], shape (n, k)."""
+        return self.pinion_depth if member == "pinion" else self.wheel_depth
+
+    def effects(self, row: int = -1) -> tuple[Worn, Worn]:
+        """Return the wear at a row as effects on both gears."""
+        return Worn(gear="pinion", depth=self.pinion_depth[row]), Worn(gear="wheel", depth=self.wheel_depth[row])
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Bench:
+    """The pair whose flanks are worn: teeth, bodies and contacts, brought up to date when they have changed enough."""
+
+    setup: Setup
+    law: Archard
+    angles: Array
+    effects: tuple[Effect, ...]
+    finest: float
+    at: Depths
+    mesh: Mesh
+
+    def brought_up(self, depths: Depths) -> _Bench:
+        """Return the bench with the compliance of worn teeth, where they have worn enough since."""
+        moved = max(float(np.abs(depths[member] - self.at[member]).max()) for member in MEMBERS)
+        if moved < BENDS * self.setup.pair.pinion.module:
+            return self
+        worn = [Worn(gear=member, depth=depths[member]) for member in MEMBERS]
+        return dataclasses.replace(self, at=depths, mesh=assemble(self.setup, [*self.effects, *worn]).mesh)
+
+    def loaded(self, depths: Depths, torque: float) -> tuple[Mesh, Engagement]:
+        """Return the engagement of flanks worn by these depths."""
+        flanks = self.mesh.flanks
+        for member in MEMBERS:
+            flanks = Worn(gear=member, depth=depths[member] - self.at[member]).act(flanks, self.setup)
+        mesh = dataclasses.replace(self.mesh, flanks=flanks)
+        return mesh, engage(mesh, self.angles, torque)
+
+    def rates(self, loaded: tuple[Mesh, Engagement]) -> Depths:
+        """Return the depth per turn of the pinion [m]."""
+        return wear_rates(*loaded, self.law, self.finest)
+
+
+def wear_over(
+    setup: Setup,
+    law: Archard,
+    turns: float,
+    *,
+    effects: Iterable[Effect] = (),
+    tolerance: float = TOLERANCE,
+    angles: int = ANGLES,
+    finest: float = FINEST,
+    progress: Progress = quiet,
+) -> Life:
+    """Let the flanks of a pair wear by Archard's law.
+
+    Parameters
+    ----------
+    setup : Setup
+        Pair and operation; the flanks as they are at the beginning.
+    law : Archard
+        Coefficients of wear.
+    turns : float
+        Turns of the pinion.
+    effects : iterable of Effect
+        Beside those that the setup names.
+    tolerance : float
+        Error of the depth in a step, root mean square over the flank, as a part of the mean deflection along the line of action.
+    angles : int
+        Pinion angles over one pitch.
+    finest : float
+        As for `wear_rates`.
+    progress : Progress
+        Told how much of the life is done, in thousandths.
+
+    Returns
+    -------
+    Life
+
+    Raises
+    ------
+    InputError
+        If teeth differ, the turns are not positive, or wear leaves no flank that can be computed: it then says after how many turns.
+    SolveError
+        If the steps do not reach the end.
+
+    Notes
+    -----
+    Heun's method: the depth grows by the mean of the rates before and after a step; half their difference is the error, in the
+    root mean square over the flank, that decides the next step (adaptive, second order). The rates follow from contacts and load
+    sharing of the worn flanks, quasi-static under the operation torque: a point that wears gives its load to others, within
+    the deflection of the teeth, which bounds the step. The compliance is that of the worn teeth, computed anew whenever a hundredth
+    of a module is worn. The dynamic load, lubrication, heat and the end of a hardened layer are not in it.
+    """
+    if not (math.isfinite(turns) and turns > 0.0):
+        raise InputError("turns", f"{turns:g}", "more than 0")
+    system = assemble(setup, effects)
+    _refuse_uneven(system.mesh)
+    torque = system.drive.pinion_torque
+    pitch = (np.arange(angles) + 0.5) / angles * setup.pair.pinion.pitch_angle
+    none: Depths = {member: np.zeros_like(Deviation.none(gear).roll) for member, gear in _gears(setup)}
+    bench = _Bench(setup, law, pitch, tuple(effects), finest, none, system.mesh)
+    rows, done, step, depths = [], 0.0, 0.0, none
+    try:
+        loaded = bench.loaded(depths, torque)
+        rates = bench.rates(loaded)
+        for _ in range(MOST_STEPS):
+            rows.append(_row(done, depths, loaded))
+            progress("wear", int(1000.0 * done / turns), 1000)
+            if done >= turns:
+                return _life(setup, law, rows)
+            allowed = tolerance * _deflection(loaded)
+            step = step or allowed / max(float(rates[member].max()) for member in MEMBERS)
+            depths, step, following = _advanced(bench, depths, rates, min(step, turns - done), allowed, torque)
+            done = turns if done + step >= turns * (1.0 - SHORTEST) else done + step
+            step, bench = following, bench.brought_up(depths)
+            loaded = bench.loaded(depths, torque)
+            rates = bench.rates(loaded)
+    except InputError as error:
+        raise InputError(f"{error.where} after {done:.4g} turns of the pinion", error.found, error.allowed) from None
+    raise SolveError(f"wear did not reach its end within {MOST_STEPS} steps: {done:.4g} of {turns:.4g} turns of the pinion")
+
+
+def _gears(setup: Setup) -> tuple[tuple[Member, Gear], tuple[Member, Gear]]:
+    return (("pinion", setup.pair.pinion), ("wheel", setup.pair.wheel))
+
+
+def _advanced(bench: _Bench, depths: Depths, rates: Depths, step: float, allowed: float, torque: float) -> tuple[Depths, float, float]:
+    """Return the depths after a step that keeps its error, the step itself [turns], and the next one to try."""
+    first = step
+    while step > SHORTEST * first:
+        guess = {member: depths[member] + step * rates[member] for member in MEMBERS}
+        after = bench.rates(bench.loaded(guess, torque))
+        error = max(0.5 * step * float(np.sqrt(np.mean((after[member] - rates[member]) ** 2))) for member in MEMBERS)
+        following = step * min(max(SAFETY * math.sqrt(allowed / max(error, 1e-30)), SHRINK), GROWTH)
+        if error <= allowed:
+            return {member: depths[member] + 0.5 * step * (rates[member] + after[member]) for member in MEMBERS}, step, following
+        step = following
+    raise SolveError("a step of wear did not keep its error: a lower coefficient or a shorter life gets no further either")
+
+
+def _deflection(loaded: tuple[Mesh, Engagement]) -> float:
+    mesh, engagement = loaded
+    return float((engagement.transmission_error - mesh.gap(engagement.contacts).min(axis=1)).mean())
+
+
+def _row(done: float, depths: Depths, loaded: tuple[Mesh, Engagement]) -> tuple[object, ...]:
+    mesh, engagement = loaded
+    width = mesh.placement.pair.face_width
+    volumes = (removed_volume(mesh.flanks.of(member), width) for member in MEMBERS)
+    largest = float(engagement.contact_pressure.max())
+    return (done, *(depths[member] for member in MEMBERS), *volumes, float(np.ptp(engagement.transmission_error)), largest)
+
+
+def _life(setup: Setup, law: Archard, rows: list[tuple[object, ...]]) -> Life:
+    names = ("turns", "pinion_depth", "wheel_depth", "pinion_volume", "wheel_volume", "transmission_error", "contact_pressure")
+    columns = (np.array(column) for column in zip(*rows, strict=True))
+    return Life(setup=setup, law=law, **dict(zip(names, columns, strict=True)))
+
+
+def _refuse_uneven(mesh: Mesh) -> None:
+    """Refuse teeth that differ: which meets which, and how often, is then another question for each."""
+    flanks, placement, compliance = mesh.flanks, mesh.placement, mesh.compliance
+    odd = (flanks.pinion_odd, flanks.wheel_odd, compliance.pinion_odd, compliance.wheel_odd)
+    late = np.ptp(placement.pinion_late) + np.ptp(placement.wheel_late)
+    if any(odd) or late > 0.0 or any(placement.pinion_runout) or any(placement.wheel_runout):
+        raise InputError("model", "teeth that differ, in shape, place or runout", "teeth all alike, for wear over the life of the pair")
+    if not flanks.lead.uniform:
+        raise InputError("model", "flanks that are not parallel over the face width", "parallel ones, for wear over the life of the pair")
