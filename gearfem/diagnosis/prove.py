@@ -132,7 +132,7 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     """
     campaign = problem.campaign
     noise_of = {record.file: noise for record, noise in zip(problem.records, problem.noises, strict=True)}
-    believed = dataclasses.replace(neutral(campaign.setup.pair), angle_offset=alone.settings.angle_offset)
+    believed = dataclasses.replace(neutral(campaign.setup.pair), angle_offset=fit.settings.angle_offset)
     setup, bench = campaign.setup, problem.bench(fit.effects)
     systems = (calibrated(setup, believed), calibrated(setup, alone.settings), calibrated(setup, fit.settings, fit.effects))
     drafts = []

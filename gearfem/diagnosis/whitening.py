@@ -54,6 +54,8 @@ class Whitener(Record):
         return np.concatenate([self._run(values[i:j]) for i, j in zip(self.start, self.stop, strict=True)])
 
     def _run(self, values: Array) -> Array:
+        if not values.size:
+            return values
         order = len(self.deviation) - 1
         taps = np.concatenate([[1.0], -self.predictor[order]])
         white: Array = np.asarray(lfilter(taps, [1.0], values, axis=0)) / self.deviation[order]

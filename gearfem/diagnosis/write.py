@@ -67,11 +67,11 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         ],
         "gap_significance": {"p_value": diagnosis.before.p_value, "sentence": diagnosis.before.sentence},
         "gap": [_gap(gap) for gap in proof.records],
-        "holdout": {"over_nuisances": proof.over_nuisances, "over_smooth": proof.over_smooth, "reasons": list(proof.reasons)},
+        "holdout": {"over_nuisances": proof.over_nuisances, "over_smooth": proof.over_smooth, "stands": proof.stands},
         "nuisances": nuisance_rows(diagnosis),
         "suggestion": diagnosis.suggestions[0].sentence if diagnosis.suggestions else None,
         "suggestions": [{"measure": one.words, "separation": one.separation, "cost": one.cost} for one in diagnosis.suggestions[:3]],
-        "reasons": list(naming.reasons),
+        "reasons": [*naming.reasons, *proof.reasons],
         "notes": notes(diagnosis),
         "model": MODEL,
         "version": version("gearfem"),
@@ -127,15 +127,15 @@ def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     problem, fit = diagnosis.problem, diagnosis.naming.fit
     rows: list[dict[str, Any]] = []
     for nuisance, moved in zip(problem.nuisances, fit.point.unknown, strict=False):
-        rows.append(_row(nuisance.name, nuisance.words, float(moved)) | {"value": float(getattr(fit.settings, nuisance.name))})
+        unit = {} if nuisance.is_scale else {"unit": "rad"}
+        rows.append(_row(nuisance.name, nuisance.words, float(moved)) | {"value": float(getattr(fit.settings, nuisance.name))} | unit)
     for variant, moved in zip(VARIANTS, fit.point.unknown[problem.first_form :], strict=False):
         rows.append(_row("model_form", f"error of the model: {variant.words}", float(moved)))
     for member, late in (("pinion", fit.settings.pinion_late), ("wheel", fit.settings.wheel_late)):
         worst = int(np.argmax(np.abs(late)))
         words = f"index error of tooth {worst} of the {member}, the largest"
-        rows.append(
-            _row(f"{member}_index_error_um", words, float(late[worst]) / problem.scatter.index) | {"value": float(late[worst]) / UM}
-        )
+        row = _row(f"{member}_index_error_um", words, float(late[worst]) / problem.scatter.index)
+        rows.append(row | {"value": float(late[worst]) / UM, "unit": "um"})
     return rows
 
 

@@ -114,8 +114,13 @@ def _parameters(diagnosis: Diagnosis) -> list[ParameterRow]:
             half = 0.0 if error is None else INTERVAL * error
             low, high = ("", "") if error is None else (f"{value - half:.4g}", f"{value + half:.4g}")
             remark = "at its bound" if (number, field) in fit.bound else ""
-            rows.append(ParameterRow(title(effect), known.words, f"{value:.4g}", low, high, known.unit.replace("_per_", "/"), remark))
+            rows.append(ParameterRow(title(effect), known.words, f"{value:.4g}", low, high, _shown(known.unit), remark))
     return rows
+
+
+def _shown(unit: str) -> str:
+    """Return a unit as people write it."""
+    return unit.replace("_per_", "/").replace("um", "µm").replace("s2", "s²")
 
 
 def title(effect: Effect) -> str:
@@ -140,7 +145,11 @@ def _rival(rival: Rival, threshold: float) -> dict[str, Any]:
 
 def _gap(gap: Gap) -> dict[str, Any]:
     scale = gap.measurement.to_file
-    row = {"record": gap.measurement.file, "role": "held out" if gap.role == "holdout" else "fitted", "unit": gap.measurement.quantity.unit}
+    row = {
+        "record": gap.measurement.file,
+        "role": "held out" if gap.role == "holdout" else "fitted",
+        "unit": _shown(gap.measurement.quantity.unit),
+    }
     series = {"before": gap.before, "nuisances": gap.nuisances_only, "smooth": gap.smooth, "after": gap.after}
     numbers = {key: f"{gap.rms(values) * scale:.3g}" if values.size else "-" for key, values in series.items()}
     floors = {"noise": f"{gap.noise_rms * scale:.3g}", "floor": f"{gap.floor_rms * scale:.3g}", "closure": f"{100.0 * gap.closure:.0f} %"}

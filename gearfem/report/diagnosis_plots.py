@@ -122,7 +122,7 @@ def plot_records(diagnosis: Diagnosis) -> Figure | None:
         axis.axhspan(-gap.floor_rms * record.to_file, gap.floor_rms * record.to_file, color=style.SHADE, zorder=0, label="floor")
         held = ", held out" if gap.role == "holdout" else ""
         axis.set_title(f"{record.file}{held}")
-        axis.set_ylabel(record.quantity.unit)
+        axis.set_ylabel(record.quantity.unit.replace("um", "µm"))
     for axis in axes[len(gaps) :]:
         axis.set_visible(False)
     for axis in axes[-2:]:

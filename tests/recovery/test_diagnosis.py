@@ -11,11 +11,12 @@ import pytest
 from click.testing import CliRunner
 
 from gearfem.cli import main
-from gearfem.diagnosis import Diagnosis, choose, diagnose, read_campaign, write_diagnosis
+from gearfem.diagnosis import Diagnosis, bench_of, choose, compare, diagnose, fit, prove, read_campaign, start, write_diagnosis
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.write import as_json
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.runout import Runout
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation import InputError
 from gearfem.foundation.toml import write_toml
@@ -143,3 +144,27 @@ def test_a_refused_command_ends_in_one_line_and_leaves_nothing(tmp_path: Path, w
     assert result.stderr.count("\n") == 1
     assert result.stderr.startswith("error: ")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_record_of_unknown_first_tooth_is_turned_until_it_fits(tmp_path: Path) -> None:
+    """Indicator readings alone: no angle, no torque, and a hold-out record whose first tooth nobody noted."""
+    runout = {"name": "runout", "gear": "wheel", "eccentricity_um": 12.0, "angle_rad": 1.0}
+    write_toml(tmp_path / "true.toml", NOMINAL | {"effect": [runout]})
+    records = [
+        {"file": "runout.csv", "quantity": "radial_runout", "gear": "wheel", "turns": 3.0, "noise_std": 1.0},
+        {"file": "pitch.csv", "quantity": "pitch_deviation", "gear": "wheel", "turns": 2.0, "noise_std": 0.5}
+        | {"role": "holdout", "tooth_zero": "unknown"},
+    ]
+    write_toml(tmp_path / "plan.toml", {"name": "indicator", "seed": 5, "record": records})
+    true = load_model(tmp_path / "true.toml")
+    measure(true, read_plan(tmp_path / "plan.toml", true.pair), NOMINAL, tmp_path / "rig")
+    drawn = json.loads((tmp_path / "rig" / "truth.json").read_text())["records"]["pitch.csv"]["first_tooth"]
+    campaign = read_campaign(tmp_path / "rig" / "campaign.toml")
+    problem, alone = start(compare(campaign, bench_of(campaign)))
+    proof = prove(problem, fit(problem, [Runout(gear="wheel", eccentricity=8.0 * UM, angle=0.5)], alone), alone)
+    (held,) = proof.of("holdout")
+    assert drawn > 0
+    assert held.first_tooth == drawn
+    assert held.smooth.size == 0
+    assert held.rms(held.after) == pytest.approx(0.5 * UM, rel=0.4, abs=0.0)
+    assert proof.stands
