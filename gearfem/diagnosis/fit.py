@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -20,9 +21,14 @@ from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.pipeline import assemble
 
+# What measures whitened signatures, shape (m, p): their products with each other, (p, p), and with what is left, (p,).
+Freed: TypeAlias = Callable[[Array], tuple[Array, Array]]
+
 FREE = 1.0
-ROUNDS, HALVINGS, SETTLED = 8, 4, 2.0
+ROUNDS, HALVINGS, SETTLED = 7, 3, 1.0
 DIFFERENCE = 0.03
+# Share of its own deviation to which a record is predicted when everything in it is known: teeth in motion are linearised.
+ACCURACY_SLOW, ACCURACY_MOVING = 0.02, 0.05
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -119,7 +125,9 @@ class Problem:
         self.columns: tuple[Array, ...]
         self.scales: Array
         self.linear: Marginal
+        self.whole: Marginal
         self.weights = np.ones(len(records))
+        self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
         self.counts = np.array([float(record.keep.sum()) for record in records])
 
     # ---- unknowns -------------------------------------------------------------------------------
@@ -178,7 +186,7 @@ class Problem:
         linear = self.linear.weighed(self.weights if weights is None else weights)
         solved = linear.solve(residual)
         white = residual - linear.moved(solved)
-        cost, deserved = profile(np.array([white[rows] @ white[rows] for rows in linear.rows]), self.counts)
+        cost, deserved = profile(np.array([white[rows] @ white[rows] for rows in linear.rows]), self.counts, self.floor)
         return Point(
             effects=effects,
             unknown=np.concatenate([outer, solved]),
@@ -213,6 +221,7 @@ class Problem:
         self.scales = self.whiten(tuple(outer))
         white = tuple(noise.whitener.apply(part) for noise, part in zip(self.noises, self.columns, strict=True))
         self.linear = marginal(white)
+        self.whole = marginal(tuple(np.hstack([part, self.scales[rows]]) for part, rows in zip(white, self.linear.rows, strict=True)))
         return np.concatenate([unknown, np.zeros(self.outer + self.columns[0].shape[1] - len(unknown))])
 
     def whiten(self, series: tuple[Array, ...]) -> Array:
@@ -227,7 +236,7 @@ class Problem:
 
     # ---- fitting --------------------------------------------------------------------------------
 
-    def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS) -> Fit:
+    def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
         """Fit the parameters of effects and all nuisances.
 
         Parameters
@@ -238,6 +247,8 @@ class Problem:
             Nuisances to start from, as `prepare` returns them.
         rounds : int
             Rounds at most.
+        hopeless : float
+            Objective that a fit must promise to reach; one that will not is given up where it stands.
 
         Returns
         -------
@@ -261,7 +272,7 @@ class Problem:
                 jacobian = self.jacobian(point)
             ahead = self._ahead(point, jacobian)
             gained, point = point.objective - ahead.objective, ahead
-            if gained < SETTLED:
+            if gained < SETTLED + 1e-4 * point.objective or (number > 0 and point.objective - 3.0 * gained > hopeless):
                 break
         left = self.left(point)
         white = self.whiten(left)
@@ -292,9 +303,8 @@ class Problem:
         low, high = np.concatenate([low - values, -reach - outer]), np.concatenate([high - values, reach - outer])
         prior = np.concatenate([np.zeros(len(values)), np.ones(self.outer)])
         pulled = np.concatenate([np.zeros(len(values)), outer])
-        linear = self.linear.weighed(point.weights)
-        gram = linear.gram(jacobian, jacobian) + np.diag(prior)
-        pull = linear.gram(jacobian, point.residual) - pulled
+        gram, pull = self.linear.weighed(point.weights).measure(jacobian, point.residual)
+        gram, pull = gram + np.diag(prior), pull - pulled
         scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
         factor = np.linalg.cholesky(scale[:, None] * gram * scale + 1e-9 * np.eye(len(scale)))
         target = np.linalg.solve(factor, scale * pull)
@@ -317,16 +327,11 @@ class Problem:
         """Return the whitened residual with the scales put back to their priors too, so that `free` frees it from all nuisances."""
         return point.residual + self.scales @ point.unknown[: self.outer]
 
-    def freed(self, point: Point) -> Callable[[Array, Array], Array]:
-        """Return the scalar product of whitened vectors, shapes (m,) or (m, p), freed from all nuisances, as records count at a point."""
-        linear = self.linear.weighed(point.weights)
-        gram = np.eye(self.outer) + linear.gram(self.scales, self.scales)
-
-        def product(one: Array, two: Array) -> Array:
-            first, second = linear.gram(self.scales, one), linear.gram(self.scales, two)
-            return np.asarray(linear.gram(one, two) - first.T @ np.linalg.solve(gram, second))
-
-        return product
+    def freed(self, point: Point) -> Freed:
+        """Return what measures signatures against all that a point leaves, freed from all nuisances."""
+        whole = self.whole.weighed(point.weights)
+        residual = self.effective(point)
+        return lambda vectors: whole.measure(vectors, residual)
 
     def jacobian(self, point: Point) -> Array:
         """Return the whitened derivatives of all records over parameters and scales, the former by one-sided differences."""
@@ -345,7 +350,7 @@ class Problem:
 
     def _deviations(self, point: Point, jacobian: Array) -> tuple[dict[str, float], ...]:
         prior = np.concatenate([np.zeros(jacobian.shape[1] - self.outer), np.ones(self.outer)])
-        gram = self.linear.weighed(point.weights).gram(jacobian, jacobian) + np.diag(prior)
+        gram = self.linear.weighed(point.weights).measure(jacobian, point.residual)[0] + np.diag(prior)
         scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
         inverse = np.linalg.pinv(scale[:, None] * gram * scale, rcond=1e-12, hermitian=True)
         deviation = iter(scale * np.sqrt(np.maximum(np.diag(inverse), 0.0)))
@@ -387,6 +392,12 @@ class Problem:
             dataclasses.replace(effect, **{field: known.value(float(next(left))) for field, known in effect.parameters().items()})
             for effect in effects
         )
+
+
+def _floor(record: Measurement, noise: Noise) -> float:
+    """Return the least mean square of whitened rows that a model of finite accuracy can be expected to leave of a record."""
+    error = (ACCURACY_MOVING if record.quantity.moving else ACCURACY_SLOW) * float(np.std(record.value[record.keep]))
+    return 1.0 + (error / noise.std) ** 2
 
 
 def at_bound(effect: Effect, field: str, campaign: Campaign) -> bool:

@@ -57,10 +57,24 @@ class Marginal(Record):
         """Return the unknowns in prior deviations that leave least of whitened vectors, shapes (m,) or (m, p)."""
         return np.asarray(cho_solve(self._factor, self._pull(residual), check_finite=False))
 
-    def gram(self, one: Array, two: Array) -> Array:
-        """Return the weighed scalar products of whitened vectors, shapes (m,) or (m, p), freed from the unknowns."""
-        plain = sum(w * one[rows].T @ two[rows] for w, rows in zip(self.weights, self.rows, strict=True))
-        return np.asarray(plain - self._pull(one).T @ self.solve(two))
+    def measure(self, vectors: Array, residual: Array) -> tuple[Array, Array]:
+        """Return the scalar products of whitened vectors with each other and with a residual, freed from the unknowns.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (m, p)
+            Whitened signatures.
+        residual : ndarray, shape (m,)
+            Whitened.
+
+        Returns
+        -------
+        ndarray, shape (p, p), ndarray, shape (p,)
+        """
+        own, other = self._pull(vectors), self._pull(residual)
+        solved = np.asarray(cho_solve(self._factor, own, check_finite=False))
+        weighed = np.concatenate([weight * vectors[rows] for weight, rows in zip(self.weights, self.rows, strict=True)])
+        return weighed.T @ vectors - own.T @ solved, weighed.T @ residual - solved.T @ other
 
     def moved(self, unknown: Array) -> Array:
         """Return what unknowns do to all records, whitened, shape (m,)."""
@@ -68,7 +82,7 @@ class Marginal(Record):
 
     def _pull(self, residual: Array) -> Array:
         parts = zip(self.weights, self.columns, self.rows, strict=True)
-        return np.asarray(sum(weight * part.T @ residual[rows] for weight, part, rows in parts))
+        return np.asarray(sum(part.T @ (weight * residual[rows]) for weight, part, rows in parts))
 
 
 def marginal(columns: tuple[Array, ...]) -> Marginal:
@@ -82,7 +96,7 @@ def marginal(columns: tuple[Array, ...]) -> Marginal:
     return Marginal(columns=columns, products=tuple(part.T @ part for part in columns), weights=np.ones(len(columns)))
 
 
-def profile(square: Array, rows: Array) -> tuple[Array, Array]:
+def profile(square: Array, rows: Array, floor: Array) -> tuple[Array, Array]:
     """Return the cost of whitened squares when the noise of a record may be larger than stated, and the weights that belong to it.
 
     Parameters
@@ -91,6 +105,8 @@ def profile(square: Array, rows: Array) -> tuple[Array, Array]:
         Sum of the squared whitened rows of each record.
     rows : ndarray, shape (r,)
         Number of its rows.
+    floor : ndarray, shape (r,)
+        Least mean square that can be expected of each record, at least 1: noise, and the errors of a model of finite accuracy.
 
     Returns
     -------
@@ -98,8 +114,8 @@ def profile(square: Array, rows: Array) -> tuple[Array, Array]:
 
     Notes
     -----
-    -2 ln L with the variance s^2 >= 1 at its likeliest: square/s^2 + m ln s^2, s^2 = max(1, square/m). A record that no
+    -2 ln L with the variance s^2 >= floor at its likeliest: square/s^2 + m ln s^2, s^2 = max(floor, square/m). A record that no
     model meets counts by the logarithm of its misfit, so that it does not drown those that are met.
     """
-    spread = np.maximum(square / rows, 1.0)
+    spread = np.maximum(square / rows, floor)
     return square / spread + rows * np.log(spread), 1.0 / spread

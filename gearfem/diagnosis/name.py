@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 from scipy.stats import chi2
 
 from gearfem.diagnosis.fit import Fit, Problem
-from gearfem.diagnosis.rank import Candidate, rank, together
+from gearfem.diagnosis.rank import Candidate, rank, rank_again, together
+from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation import InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
@@ -22,11 +23,15 @@ Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplaine
 PARAMETER = 8.0
 # What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
 DETECTED = 40.0
+# A further name must gain this share of what the first ones did: less is the difference between their shapes and the real ones.
+FURTHER = 0.05
 # Explanations closer than this cannot be told apart; shapes of real effects differ from ours, by this share of what they explain.
 THRESHOLD, SHAPE = 10.0, 0.03
-FITTED, PAIRED, MOST = 6, 4, 3
+FITTED, PAIRED, MOST = 6, 3, 3
 # Share of the gap that names must close: less is no explanation, and more brings it to the noise.
 STANDS, CLOSED = 0.60, 0.90
+# What fits may leave, over what can be expected of them, before it counts as a gap.
+GAP = 1.25
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,8 +71,6 @@ class Naming(Record):
         Of each named effect: chance that noise and our own errors do as much, times the effects, gears and teeth tried.
     closed : float
         Share of the gap that the best explanation closes.
-    inflation : float
-        Mean square of the whitened residual that it leaves, at least 1: by it all differences of scores are divided.
     rivals : tuple of Rival
         Other explanations that were fitted, best first.
     threshold : float
@@ -84,7 +87,6 @@ class Naming(Record):
     best: Fit
     p_values: tuple[float, ...]
     closed: float
-    inflation: float
     rivals: tuple[Rival, ...]
     threshold: float
     sentence: str
@@ -99,15 +101,23 @@ class _Search:
         self.fits: dict[tuple[object, ...], Fit] = {(): alone}
         self.rows = len(alone.white)
 
-    def fit(self, effects: tuple[Effect, ...], start: Fit) -> Fit | None:
-        """Return the fit of effects, made once for each set of names, gears and teeth."""
-        key = label(effects)
-        if key not in self.fits:
+    def fit(self, starts: Sequence[tuple[Effect, ...]], base: Fit, progress: Progress = quiet, words: str = "effects") -> None:
+        """Fit sets of effects from the nuisances of a fit, each set of names, gears and teeth once."""
+        new = [effects for effects in starts if label(effects) not in self.fits]
+        best = min(fit.objective for fit in self.fits.values())
+        worth = self.alone.objective - 0.5 * (self.alone.objective - best)
+
+        def one(effects: tuple[Effect, ...]) -> Fit | None:
             try:
-                self.fits[key] = self.problem.fit(effects, start.point.unknown)
+                return self.problem.fit(effects, base.point.unknown, hopeless=worth)
             except (InputError, SolveError):
                 return None
-        return self.fits[key]
+
+        for number, (effects, found) in enumerate(zip(new, side_by_side(one, new), strict=True)):
+            progress(words, number, len(new))
+            if found is not None:
+                self.fits[label(effects)] = found
+        progress(words, max(len(new), 1), max(len(new), 1))
 
     def cost(self, effects: tuple[Effect, ...]) -> float:
         """Return what an explanation pays for its parameters and for the teeth and gears among which it was chosen."""
@@ -119,18 +129,16 @@ class _Search:
                 total += 2.0 * math.log(pair.pinion.teeth + pair.wheel.teeth)
         return total
 
-    def score(self, fit: Fit, inflation: float) -> float:
+    def score(self, fit: Fit) -> float:
         """Return the score of a fit; lower is better."""
-        return fit.objective / inflation + self.cost(fit.effects)
-
-    def inflation(self) -> float:
-        """Return the mean square of the whitened rows that the best fit leaves, at least 1."""
-        return 1.0
+        return fit.objective + self.cost(fit.effects)
 
     def best(self, most: int = MOST) -> Fit:
-        """Return the fit of the best score."""
-        inflation = self.inflation()
-        return min((fit for fit in self.fits.values() if len(fit.effects) <= most), key=lambda fit: self.score(fit, inflation))
+        """Return the fit of the best score; each effect more must pay for itself by its share of the gain too."""
+        least = min(fit.objective for fit in self.fits.values())
+        further = max(DETECTED, FURTHER * (self.alone.objective - least))
+        few = (fit for fit in self.fits.values() if len(fit.effects) <= most)
+        return min(few, key=lambda fit: self.score(fit) + further * max(len(fit.effects) - 1, 0))
 
 
 def label(effects: tuple[Effect, ...]) -> tuple[object, ...]:
@@ -170,30 +178,21 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         best = search.best()
         if len(best.effects) != count:
             break
-        again = rank(problem, best, _rest(kinds, best), progress)
-        for candidate in _worth(again, search.inflation())[:PAIRED]:
-            search.fit((*best.effects, candidate.start(problem.campaign.setup)), best)
+        again = [c for c in rank_again(problem, best, first) if c.gain > DETECTED and c.effect.name not in _taken(best)]
+        setup = problem.campaign.setup
+        search.fit([(*best.effects, candidate.start(setup)) for candidate in again[:PAIRED]], best, progress, "further effects")
     _eliminate(search)
     return _verdict(search, first)
 
 
-def _worth(candidates: tuple[Candidate, ...], inflation: float) -> list[Candidate]:
-    """Return the candidates that may gain enough, one for each name, gear and tooth."""
-    return [candidate for candidate in candidates if candidate.gain / inflation > DETECTED / 2.0]
-
-
-def _rest(kinds: Mapping[str, type[Effect]], best: Fit) -> Mapping[str, type[Effect]]:
-    """Return the effects that may still be added: those that replace a value of the model only once."""
-    used = {effect.name for effect in best.effects if type(effect).replaces}
-    return {name: kind for name, kind in kinds.items() if name not in used}
+def _taken(best: Fit) -> set[str]:
+    """Return the effects that may not be added once more: those that replace a value of the model."""
+    return {effect.name for effect in best.effects if type(effect).replaces}
 
 
 def _singles(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
     chosen = [c for c in candidates if c.gain > DETECTED / 2.0][:FITTED]
-    for number, candidate in enumerate(chosen):
-        progress("single effects", number, len(chosen))
-        search.fit((candidate.start(search.problem.campaign.setup),), alone)
-    progress("single effects", len(chosen), len(chosen))
+    search.fit([(candidate.start(search.problem.campaign.setup),) for candidate in chosen], alone, progress, "single effects")
 
 
 def _pairs(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
@@ -202,45 +201,40 @@ def _pairs(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progr
     pairs = [(a, b) for i, a in enumerate(few) for b in few[i + 1 :] if a.effect.name != b.effect.name or a.label != b.label]
     gains = sorted(((together(search.problem, alone, pair), pair) for pair in pairs), key=lambda item: -item[0])
     single = alone.objective - search.best(1).objective
-    chosen = [pair for gain, pair in gains if gain > single + DETECTED][:2]
+    chosen = [pair for gain, pair in gains if gain > single + DETECTED][:1]
     setup = search.problem.campaign.setup
-    for number, pair in enumerate(chosen):
-        progress("pairs of effects", number, len(chosen))
-        search.fit(tuple(candidate.start(setup) for candidate in pair), alone)
-    progress("pairs of effects", len(chosen), len(chosen))
+    search.fit([tuple(candidate.start(setup) for candidate in pair) for pair in chosen], alone, progress, "pairs of effects")
 
 
 def _eliminate(search: _Search) -> None:
     """Fit the best explanation without each of its effects."""
     best = search.best()
     if len(best.effects) > 1:
-        for out in range(len(best.effects)):
-            search.fit(best.effects[:out] + best.effects[out + 1 :], best)
+        search.fit([best.effects[:out] + best.effects[out + 1 :] for out in range(len(best.effects))], best)
 
 
 def _verdict(search: _Search, candidates: tuple[Candidate, ...]) -> Naming:
-    alone, inflation = search.alone, search.inflation()
+    alone = search.alone
     best = search.best()
-    scores = {key: search.score(fit, inflation) for key, fit in search.fits.items()}
+    scores = {key: search.score(fit) for key, fit in search.fits.items()}
     own = scores[label(best.effects)]
     gained = scores[()] - own
-    closed = closure(alone, best, search.problem.counts)
+    closed = closure(alone, best, search.problem)
     threshold = max(THRESHOLD, SHAPE * gained)
     rivals = tuple(
         Rival(effects=fit.effects, score_difference=scores[key] - own, why=_why(fit, best, scores[key] - own, threshold))
         for key, fit in sorted(search.fits.items(), key=lambda item: scores[item[0]])
         if fit is not best and fit.effects
     )
-    level = float(np.max(alone.squares))
-    remains = float(np.max(best.squares))
+    level, remains = (_level(fit, search.problem) for fit in (alone, best))
     close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
     if not best.effects or gained < DETECTED:
-        verdict: Verdict = "no_discrepancy" if level < 1.35 else "unexplained"
+        verdict: Verdict = "no_discrepancy" if level < GAP else "unexplained"
     elif closed < STANDS:
         verdict = "unexplained"
     elif close:
         verdict = "ambiguous"
-    elif closed >= CLOSED or remains < 1.2:
+    elif closed >= CLOSED or remains < GAP:
         verdict = "explained"
     else:
         verdict = "partly_explained"
@@ -250,9 +244,8 @@ def _verdict(search: _Search, candidates: tuple[Candidate, ...]) -> Naming:
         fit=named,
         alone=alone,
         best=best,
-        p_values=tuple(_p_value(search, best, number, inflation) for number in range(len(named.effects))),
+        p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
         closed=closed,
-        inflation=inflation,
         rivals=rivals,
         threshold=threshold,
         sentence=_sentence(verdict, named, closed),
@@ -260,26 +253,33 @@ def _verdict(search: _Search, candidates: tuple[Candidate, ...]) -> Naming:
     )
 
 
-def closure(alone: Fit, best: Fit, counts: Array) -> float:
-    """Return the share of the gap that is closed: of the logarithms of the mean squares above noise, every row counting once.
+def closure(alone: Fit, best: Fit, problem: Problem) -> float:
+    """Return the share of the gap that is closed: of the mean square above noise of each record, which counts by that one's logarithm.
 
     Parameters
     ----------
     alone, best : Fit
         Nuisances alone, and with effects.
-    counts : ndarray, shape (r,)
-        Rows of each record.
+    problem : Problem
+        What was fitted.
     """
-    before, after = (float(counts @ np.log(np.maximum(fit.squares, 1.0))) for fit in (alone, best))
-    return 1.0 - after / before if before > 0.0 else 1.0
+    before, after = (np.maximum(fit.squares / problem.floor - 1.0, 0.0) for fit in (alone, best))
+    weight = problem.counts * np.log1p(before)
+    return float(weight @ (1.0 - after / np.maximum(before, 1e-9)) / weight.sum()) if weight.sum() > 0.0 else 1.0
 
 
-def _p_value(search: _Search, best: Fit, number: int, inflation: float) -> float:
+def _level(fit: Fit, problem: Problem) -> float:
+    """Return what a fit leaves: the geometric mean over all rows of the mean squares over what can be expected, 1 at least."""
+    above = np.log(np.maximum(fit.squares / problem.floor, 1.0))
+    return math.exp(float(problem.counts @ above / problem.counts.sum()))
+
+
+def _p_value(search: _Search, best: Fit, number: int) -> float:
     """Return the chance of the gain of one effect, times the explanations that were tried."""
     without = search.fits.get(label(best.effects[:number] + best.effects[number + 1 :]))
     if without is None:
         return 0.0
-    gain = (without.objective - best.objective) / inflation
+    gain = without.objective - best.objective
     pair = search.problem.campaign.setup.pair
     trials = 40 + 3 * (pair.pinion.teeth + pair.wheel.teeth)
     return min(1.0, trials * float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters()))))

@@ -10,7 +10,8 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from gearfem.definition.setup import Member, Setup
-from gearfem.diagnosis.fit import Fit, Problem
+from gearfem.diagnosis.fit import Fit, Freed, Problem
+from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.effects.effect import MEMBERS, Effect, Parameter
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -80,14 +81,43 @@ def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progres
         One for each effect and gear, two for effects of one tooth; those without any response are left out.
     """
     found: list[Candidate] = []
+    freed = problem.freed(base.point)
     jobs = [(kind, member) for kind in kinds.values() for member in (MEMBERS if kind.of_one_gear() else MEMBERS[:1])]
-    for number, (kind, member) in enumerate(jobs):
+
+    def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
+        starts = _starts(problem, base, *job)
+        return [best for start in starts if (best := _best(problem, base, freed, start)) is not None]
+
+    for number, several in enumerate(side_by_side(one, jobs)):
         progress("candidates", number, len(jobs))
-        for start in _starts(problem, base, kind, member):
-            best = _best(problem, base, start)
-            if best is not None:
-                found.append(best)
+        found += several
     progress("candidates", len(jobs), len(jobs))
+    return tuple(sorted(found, key=lambda candidate: -candidate.gain))
+
+
+def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """Return candidates in the order of what they would explain beside effects that have been fitted.
+
+    Parameters
+    ----------
+    problem, base : Problem, Fit
+        The fit with effects.
+    candidates : tuple of Candidate
+        From `rank` for the nuisances alone.
+
+    Returns
+    -------
+    tuple of Candidate
+        Their signatures are those of the model without effects, except that effects of one tooth are tried on all teeth again.
+    """
+    freed = problem.freed(base.point)
+    found: list[Candidate] = []
+    for kind, member in {(type(c.effect), c.effect.member): None for c in candidates if hasattr(c.effect, "tooth")}:
+        starts = _starts(problem, base, kind, member)
+        found += [candidate for start in starts if (candidate := _candidate(problem, base, freed, start))]
+    for candidate in candidates:
+        if not hasattr(candidate.effect, "tooth"):
+            found.append(_scored(candidate.effect, candidate.signature, freed, problem.campaign.setup))
     return tuple(sorted(found, key=lambda candidate: -candidate.gain))
 
 
@@ -137,25 +167,22 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
             continue
         turn = dataclasses.replace(record, axis=grid, value=grid, line=np.arange(len(grid)), keep=np.ones(len(grid), bool))
         responses.append(benches[0].predict(turn, settings) - benches[1].predict(turn, settings))
-    effective, free = problem.effective(base.point), problem.freed(base.point)
-    gains = np.zeros(teeth)
-    for tooth in range(teeth):
-        series = tuple(
-            np.zeros(len(record.axis))
-            if response is None
-            else np.interp((record.axis + base.settings.angle_offset - tooth * pitch) % (teeth * pitch), grid, response)
-            for record, response in zip(problem.records, responses, strict=True)
-        )
-        signature = problem.whiten(series)
-        freed = float(free(signature, signature))
-        if freed > 0.0:
-            gains[tooth] = float(free(signature, effective)) ** 2 / freed
-    return gains
+    series = []
+    for record, response in zip(problem.records, responses, strict=True):
+        if response is None:
+            series.append(np.zeros((len(record.axis), teeth)))
+            continue
+        later = (record.axis + base.settings.angle_offset)[:, None] - np.arange(teeth) * pitch
+        series.append(np.interp(later % (teeth * pitch), grid, response))
+    signatures = problem.whiten(tuple(series))
+    gram, pull = problem.freed(base.point)(signatures)
+    freed = np.diag(gram)
+    return np.asarray(np.where(freed > 0.0, pull**2 / np.maximum(freed, 1e-300), 0.0))
 
 
-def _best(problem: Problem, base: Fit, start: Effect) -> Candidate | None:
+def _best(problem: Problem, base: Fit, freed: Freed, start: Effect) -> Candidate | None:
     """Return the effect at the shape, and then the strength, that explain most."""
-    candidates = [_candidate(problem, base, effect) for effect in _shapes(start, problem.campaign.setup)]
+    candidates = [_candidate(problem, base, freed, effect) for effect in _shapes(start, problem.campaign.setup)]
     good = [candidate for candidate in candidates if candidate is not None]
     if not good:
         return None
@@ -164,7 +191,7 @@ def _best(problem: Problem, base: Fit, start: Effect) -> Candidate | None:
     for _ in range(REFINED):
         # Half way from here to where the response would end if it were linear, since it bends.
         strength = best.amplitude if best.amplitude < 1.0 else 0.5 * (1.0 + best.amplitude)
-        other = _candidate(problem, base, _bounded(best.effect.scaled(min(strength, 3.0), setup), setup))
+        other = _candidate(problem, base, freed, _bounded(best.effect.scaled(min(strength, 3.0), setup), setup))
         if other is None or other.gain <= best.gain:
             break
         best = other
@@ -192,44 +219,46 @@ def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
     low, high = known.bounds(setup, effect.member)
     typical = known.typically(setup, effect.member)
     if known.unit == "rad":
-        return tuple(math.pi * quarter / 2.0 for quarter in (-1, 0, 1, 2))
+        return tuple(math.pi * third for third in (-2.0 / 3.0, 0.0, 2.0 / 3.0))
     if low > 0.0 and high / low > 1e3:
         # Orders: whole ones first of all.
-        return tuple(float(order) for order in (1, 2, 3, 4, 5, 6)) if typical >= 1.0 else (typical,)
+        return tuple(float(order) for order in (1, 2, 3, 4, 5)) if typical >= 1.0 else (typical,)
     return tuple(sorted({min(max(share * typical, low), high) for share in (0.5, 1.0, 1.8)}))
 
 
-def _candidate(problem: Problem, base: Fit, effect: Effect) -> Candidate | None:
+def _candidate(problem: Problem, base: Fit, freed: Freed, effect: Effect) -> Candidate | None:
     """Return how far an effect would explain what a fit leaves, each strength scaled on its own; None if it cannot be computed."""
-    setup, point, free = problem.campaign.setup, base.point, problem.freed(base.point)
+    setup, point = problem.campaign.setup, base.point
     try:
         effect.check(setup)
         moved = problem.predict((*point.effects, effect), point.unknown)
     except (InputError, SolveError):
         return None
     signature = problem.whiten(tuple(a - b for a, b in zip(moved, point.predicted, strict=True)))
-    freed = float(free(signature, signature))
-    length = float(signature @ signature)
-    if not length > 0.0 or freed <= 1e-12 * length:
+    if not signature @ signature > 0.0:
         return None
-    pull = float(free(signature, problem.effective(point)))
+    candidate = _scored(effect, signature, freed, setup)
+    return candidate if candidate.share > 1e-6 else None
+
+
+def _scored(effect: Effect, signature: Array, freed: Freed, setup: Setup) -> Candidate:
+    """Return a candidate with its gain against what is left."""
+    gram, pulls = freed(signature[:, None])
+    square, pull = max(float(gram[0, 0]), 1e-300), float(pulls[0])
     known = next((effect.parameters()[field] for field in effect.strengths()), None)
     signed = known is not None and known.bounds(setup, effect.member)[0] < known.at_rest(setup, effect.member)
-    gain = pull**2 / freed if pull > 0.0 or signed else 0.0
     return Candidate(
         effect=effect,
-        gain=gain,
-        amplitude=pull / freed,
+        gain=pull**2 / square if pull > 0.0 or signed else 0.0,
+        amplitude=pull / square,
         signature=signature,
-        visible=math.sqrt(freed),
-        share=math.sqrt(freed / length),
+        visible=math.sqrt(square),
+        share=math.sqrt(square / float(signature @ signature)),
     )
 
 
 def together(problem: Problem, base: Fit, candidates: Iterable[Candidate]) -> float:
     """Return by how much several candidates together would lower the objective, if the response were linear."""
     signatures = np.column_stack([candidate.signature for candidate in candidates])
-    free = problem.freed(base.point)
-    gram = free(signatures, signatures)
-    pull = free(signatures, problem.effective(base.point))
+    gram, pull = problem.freed(base.point)(signatures)
     return float(pull @ np.linalg.lstsq(gram, pull, rcond=1e-10)[0])
