@@ -84,7 +84,7 @@ def model_text(base: str, number: int, case: Case | None, life: Life | None, dep
     lines = [
         f"Case {number} of Table 2 in Wojnarowski & Onishchenko (2003): machine {case.machine} after {case.hours:g} h. A RECONSTRUCTION: the",
         "measured curves exist only as a picture (Fig. 6). Made by reconstruct.py beside this file. From the paper:",
-        f"  volumes worn off one flank: pinion {case.volumes[0] / MM3:g}, wheel {case.volumes[1] / MM3:g} mm3 (matched by the flanks as fitted);",
+        f"  volumes worn off one flank: pinion {case.volumes[0] / MM3:g}, wheel {case.volumes[1] / MM3:g} mm3 (metal between involute and fitted flank);",
         "  depths of 0.1 to 0.7 mm, unequal along the height; in heavy wear the least need not lie at the pitch point; 30 to 40 points.",
         "Assumed:",
         "  Archard's law at constant speed under the operation torque, contacts and load sharing following the wear;",

@@ -1,0 +1,95 @@
+"""The command that wears flanks, the pictures of kinematics, and how they refuse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+from gearfem.cli import main
+from gearfem.cli import wearing as work
+from gearfem.flank import make_flanks
+from gearfem.foundation import InputError
+from gearfem.foundation.columns import read_columns
+from gearfem.model import load_model
+from gearfem.report.kinematics_plots import enlargement
+from gearfem.wear import Archard, removed_volume
+
+MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
+
+
+def call(*words: object):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def test_wear_writes_a_model_that_runs(tmp_path):
+    done = call("wear", MODEL, "--hours", 50, "--coefficient", "2e-17", "--wheel-coefficient", "3e-17", "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    worn = load_model(tmp_path / "worn.toml")
+    flanks = make_flanks(worn)
+    header = (tmp_path / "wear.csv").read_text().splitlines()[2]
+    history = read_columns(tmp_path / "wear.csv", (tuple(header.split(",")),))
+    last = dict(zip(history.names, history.values[-1], strict=True))
+    assert last["time_h"] == pytest.approx(50.0, rel=1e-9, abs=0.0)
+    for member in ("pinion", "wheel"):
+        # The fit of 400 points stands for the flank; it is worn by 4 um.
+        volume = removed_volume(flanks.of(member), worn.pair.face_width) * 1e9
+        assert volume == pytest.approx(last[f"{member}_volume_mm3"], rel=5e-3, abs=0.0)
+    result = call("kinematics", tmp_path / "worn.toml", "--out", tmp_path / "k", "--steps", 200, "--gif")
+    assert result.exit_code == 0, result.output
+    with Image.open(tmp_path / "k" / "engagement.gif") as film:
+        assert film.n_frames > 10
+    assert (tmp_path / "k" / "flank_outlines.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        (["--hours", "0", "--coefficient", "1e-17"], "--hours"),
+        (["--hours", "nan", "--coefficient", "1e-17"], "--hours"),
+        (["--hours", "10", "--coefficient", "-1"], "--coefficient"),
+        (["--hours", "10", "--coefficient", "1e-17", "--rolling", "-1"], "--rolling"),
+        (["--hours", "10", "--coefficient", "1e-17", "--set", "effect=[{name='pitch_error',gear='wheel',tooth=3,amount_um=5.0}]"], "alike"),
+    ],
+)
+def test_what_cannot_wear_is_one_line(tmp_path, words, found):
+    result = call("wear", MODEL, "--out", tmp_path / "out", *words)
+    assert result.exit_code in (1, 2)
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert found in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_interrupted_life_leaves_nothing(tmp_path, monkeypatch):
+    def interrupted(*words, **changes):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(work, "wear_over", interrupted)
+    result = call("wear", MODEL, "--hours", 10, "--coefficient", "1e-17", "--out", tmp_path / "out")
+    assert (result.exit_code, result.stderr) == (130, "interrupted\n")
+    assert not (tmp_path / "out").exists()
+
+
+def test_kinematics_of_other_pitches_and_of_odd_teeth(tmp_path):
+    odd = "effect=[{name='pitting',gear='pinion',tooth=2,depth_um=200.0,centre_mm=35.0,width_mm=6.0}]"
+    result = call("kinematics", MODEL, "--out", tmp_path, "--steps", 200, "--pitches", 1, 3, "--set", odd)
+    assert result.exit_code == 0, result.output
+    names = (tmp_path / "kinematics.csv").read_text().splitlines()[1].split(",")
+    table = read_columns(tmp_path / "kinematics.csv", (tuple(names),))
+    rows = dict(zip(table.names, table.values.T, strict=True))
+    pitted = rows["pair"] == 2.0
+    assert np.ptp(rows["gear_ratio_pair"][pitted]) > 1e-3
+    single = rows["pair"] == 1.0
+    # Pair 1 is sound: its normal passes through the pitch point wherever its flanks touch.
+    assert np.median(np.abs(rows["gear_ratio_pair"][single] - 3.1875)) < 1e-9
+    assert call("kinematics", MODEL, "--out", tmp_path, "--pitches", 1, 1).exit_code == 2
+
+
+def test_coefficients_and_factors_of_pictures():
+    with pytest.raises(InputError, match="nothing wears"):
+        Archard(pinion_coefficient=0.0, wheel_coefficient=0.0)
+    assert [enlargement(depth, 8e-3) for depth in (1e-6, 1e-5, 4e-4)] == [500.0, 50.0, 2.0]
