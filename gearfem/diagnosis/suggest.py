@@ -13,8 +13,10 @@ from gearfem.definition.setup import Member
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.fit import Fit, Problem
 from gearfem.diagnosis.linear import eliminate
+from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.nuisances import MOVING, SCALES, slopes
 from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import tooth_columns
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.effects.roll import active_flank
@@ -27,6 +29,8 @@ FREE = 1e-2
 # What instruments resolve where the campaign holds none of their kind: indicators and flank traces; stiffness in parts of itself.
 INDICATOR, STIFFNESS = 0.5 * UM, 0.02
 SAMPLES, TURNS = 12, 2.0
+# Part by which the amount of each explanation may still move: what fits the records taken does so within a range.
+AMOUNT = 0.05
 # Torques tried, in parts of the rated one, and speeds in parts of the one at which the mesh meets its resonance.
 TORQUES, SPEEDS = (0.05, 0.3, 0.6, 1.0), ((0.6, 1.4), (0.85, 1.2))
 TAKEN = 1.3
@@ -60,7 +64,7 @@ class Suggestion(Record):
     words : str
         What is measured.
     separation : float
-        Least distance of two explanations in it, in standard deviations, nuisances and the scatter of teeth freed.
+        Least distance of two explanations in it, in standard deviations, with all freed that may imitate it.
     cost : float
         Against one slow record of a few turns.
     sentence : str
@@ -95,7 +99,8 @@ def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], pr
     Notes
     -----
     The distance of two predictions d is sqrt(d' (S + A A')^-1 d): S holds the noise, A the derivatives over the constant, the
-    nuisances and the errors of single teeth, each times its prior deviation, so that only what they cannot imitate counts.
+    nuisances, the errors of single teeth and of our own model, each times its prior deviation, and a twentieth of each explanation
+    itself, so that only what these cannot imitate counts.
     """
     explanations = [fit.effects, *list(rivals)[:4]]
     plans = _plans(problem, fit, explanations)
@@ -115,25 +120,31 @@ def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], pr
 
 def _separation(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple[Effect, ...]]) -> float:
     benches = [problem.bench(effects) for effects in explanations]
-    squares = np.zeros((len(benches), len(benches)))
+    plain = problem.bench(())
+    pairs = list(itertools.combinations(range(len(benches)), 2))
+    squares = np.zeros(len(pairs))
     for record in plan.records:
         predictions = [bench.predict(record, fit.settings) for bench in benches]
         noise = record.noise_std or STIFFNESS * float(np.mean(predictions[0]))
-        constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
-        nuisances = SCALES + MOVING
-        moved = slopes(record, benches[0], fit.settings, nuisances, _moved(problem, fit, nuisances))
-        teeth = tooth_columns(record, benches[0], fit.settings, problem.scatter) * problem.teeth
-        elimination = eliminate(np.concatenate([constant, moved, teeth], axis=1) / noise)
-        for i, j in itertools.combinations(range(len(benches)), 2):
+        without = plain.predict(record, fit.settings)
+        strengths = np.column_stack([AMOUNT * (prediction - without) for prediction in predictions])
+        freed = np.concatenate([_nuisances(problem, fit, record, benches[0], predictions[0]), strengths], axis=1)
+        elimination = eliminate(freed / noise)
+        for place, (i, j) in enumerate(pairs):
             difference = (predictions[i] - predictions[j]) / noise
-            squares[i, j] += float(elimination.gram(difference, difference))
-    return math.sqrt(max(min(squares[i, j] for i, j in itertools.combinations(range(len(benches)), 2)), 0.0))
+            squares[place] += float(elimination.gram(difference, difference))
+    return math.sqrt(max(float(squares.min()), 0.0))
 
 
-def _moved(problem: Problem, fit: Fit, nuisances: tuple[object, ...]) -> Array:
-    """Return where nuisances stand in prior deviations, 0 for those that the campaign does not feel."""
-    names = [nuisance.name for nuisance in problem.nuisances]
-    return np.array([fit.point.unknown[names.index(n.name)] if n.name in names else 0.0 for n in nuisances])  # type: ignore[attr-defined]
+def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBench, predicted: Array) -> Array:
+    """Return what a constant, nuisances, errors of single teeth and of our own model do to a record, at one deviation each."""
+    own = {nuisance.name: place for place, nuisance in enumerate(problem.nuisances)}
+    known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *MOVING) if nuisance.name not in own))
+    moved = np.array([fit.point.unknown[own[nuisance.name]] if nuisance.name in own else 0.0 for nuisance in known])
+    constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
+    teeth = tooth_columns(record, bench, fit.settings, problem.scatter) * problem.teeth
+    (form,) = model_form((record,), bench, fit.settings, (predicted,), problem.scatter)
+    return np.concatenate([constant, slopes(record, bench, fit.settings, known, moved), teeth, form], axis=1)
 
 
 # ---- what can be measured -------------------------------------------------------------------------------
