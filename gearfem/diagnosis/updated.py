@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 from typing import Any
 
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.model_file import read_tables
+from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.prove import Proof, calibration_of
+from gearfem.effects.effect import Effect
 from gearfem.foundation.toml import write_toml
-from gearfem.foundation.units import UM
+from gearfem.foundation.units import UM, factor
 
 MEMBERS = ("pinion", "wheel")
+# Stands for infinity, which files do not take, in the unit of any key.
+ENDLESS = 1e15
 
 
 def write_updated(campaign: Campaign, fit: Fit, proof: Proof, path: Path) -> Path:
@@ -48,10 +53,32 @@ def write_updated(campaign: Campaign, fit: Fit, proof: Proof, path: Path) -> Pat
             ]
             tables[member] = {**tables[member], "flank": flanks}
     if fit.effects:
-        tables["effect"] = [*tables.get("effect", []), *(effect.table() for effect in fit.effects)]
+        tables["effect"] = [*tables.get("effect", []), *(effect_table(effect, campaign.setup) for effect in fit.effects)]
     tables["calibration"] = calibration_table(campaign.setup.calibration, fit.settings, proof)
     write_toml(path, tables)
     return path
+
+
+def effect_table(effect: Effect, setup: Setup) -> dict[str, str | int | float]:
+    """Return an effect as a table of a model file, every digit kept; values at a bound are read as within it.
+
+    Parameters
+    ----------
+    effect : Effect
+        As fitted.
+    setup : Setup
+        The pair it is on.
+    """
+    table = effect.table()
+    for field, known in effect.parameters().items():
+        key = effect.key(field)
+        low, high = known.bounds(setup, effect.member)
+        value = min(getattr(effect, field) / factor(key), ENDLESS)
+        # Dividing by the unit may round across the bound; the next number inwards does not.
+        while not low <= value * factor(key) <= high:
+            value = math.nextafter(value, 0.5 * (low + min(high, ENDLESS)) / factor(key))
+        table[key] = value
+    return table
 
 
 def calibration_table(known: Calibration, settings: Settings, proof: Proof) -> dict[str, Any]:

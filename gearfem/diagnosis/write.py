@@ -13,7 +13,7 @@ from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.model_form import VARIANTS
 from gearfem.diagnosis.name import Rival
 from gearfem.diagnosis.prove import Gap
-from gearfem.diagnosis.updated import write_updated
+from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.effect import Effect
 from gearfem.foundation.files import write_json
 from gearfem.foundation.units import UM, factor
@@ -88,13 +88,14 @@ def stderr(effect: Effect, field: str, deviation: float) -> float | None:
 def _named(diagnosis: Diagnosis, number: int) -> dict[str, Any]:
     naming = diagnosis.naming
     effect, deviations = naming.fit.effects[number], naming.fit.deviations[number]
+    table = effect_table(effect, diagnosis.campaign.setup)
     parameters: dict[str, Any] = {}
     for key, field in effect.keys().items():
         value = getattr(effect, field)
         if field not in effect.parameters():
             parameters[key] = {"value": value}
             continue
-        parameters[key] = {"value": value / factor(key), "stderr": stderr(effect, field, deviations[field])}
+        parameters[key] = {"value": table[key], "stderr": stderr(effect, field, deviations[field])}
         if (number, field) in naming.fit.bound:
             parameters[key]["at_bound"] = True
     return {"name": effect.name, "parameters": parameters, "p_value": naming.p_values[number], "sentence": effect.describe()}

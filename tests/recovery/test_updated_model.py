@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import types
 from pathlib import Path
 from typing import Any
@@ -13,11 +14,11 @@ from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.updated import write_updated
-from gearfem.effects.catalogue import catalogue
+from gearfem.diagnosis.updated import effect_table, write_updated
+from gearfem.effects.catalogue import catalogue, read_effects
 from gearfem.foundation import Array
 from gearfem.foundation.toml import write_toml
-from gearfem.model import load_model
+from gearfem.model import load_model, make_setup
 from gearfem.pipeline import assemble
 from gearfem.sensing import observe, requests
 
@@ -113,3 +114,16 @@ def test_the_keys_of_the_owner_stay(written: tuple[Path, SystemBench]) -> None:
     assert setup.calibration.torque_scale == pytest.approx(1.01 * 1.02)
     assert setup.calibration.angle_offset == pytest.approx(0.09)
     assert setup.calibration.offset("a.csv") == pytest.approx(7e-6, rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize("edge", [0, 1])
+@pytest.mark.parametrize("name", sorted(catalogue()))
+def test_parameters_at_a_bound_are_read_again(name: str, edge: int) -> None:
+    setup = make_setup(TABLES)
+    kind = catalogue()[name]
+    effect = kind.example(setup, "wheel")
+    at_edge = {field: known.bounds(setup, effect.member)[edge] for field, known in kind.parameters().items()}
+    table = effect_table(dataclasses.replace(effect, **at_edge), setup)
+    (read,) = read_effects([table], setup)
+    for field, value in at_edge.items():
+        assert getattr(read, field) == pytest.approx(min(value, 1e15), rel=1e-14, abs=0.0)
