@@ -10,7 +10,7 @@ import numpy as np
 
 from gearfem.definition.setup import Member
 from gearfem.flank import Deviation, Flanks, Outline
-from gearfem.foundation import Array
+from gearfem.foundation import Array, InputError
 
 
 def without(flanks: Flanks, member: Member, depth: Callable[[Array], Array], tooth: int | None = None) -> Flanks:
@@ -30,22 +30,30 @@ def without(flanks: Flanks, member: Member, depth: Callable[[Array], Array], too
     Returns
     -------
     Flanks
+
+    Raises
+    ------
+    InputError
+        With the gear, and the tooth if it is one alone, where what is left is no flank.
     """
     odd = flanks.odd(member)
     if tooth is None:
-        whole = _less(flanks.of(member), depth)
-        odd = {number: _less(outline, depth) for number, outline in odd.items()}
+        whole = _less(flanks.of(member), depth, f"flank of the {member}")
+        odd = {number: _less(outline, depth, f"flank of the {member}, tooth {number}") for number, outline in odd.items()}
     else:
         whole = flanks.of(member)
-        odd[tooth] = _less(odd.get(tooth, whole), depth)
+        odd[tooth] = _less(odd.get(tooth, whole), depth, f"flank of the {member}, tooth {tooth}")
     differing = ((number, outline) for number, outline in sorted(odd.items()) if not _alike(outline, whole))
     changes: dict[str, Any] = {member: whole, f"{member}_odd": tuple(differing)}
     return dataclasses.replace(flanks, **changes)
 
 
-def _less(outline: Outline, depth: Callable[[Array], Array]) -> Outline:
+def _less(outline: Outline, depth: Callable[[Array], Array], name: str) -> Outline:
     before = outline.deviation or Deviation.none(outline.gear)
-    return dataclasses.replace(outline, deviation=before.plus(depth))
+    try:
+        return dataclasses.replace(outline, deviation=before.plus(depth))
+    except InputError as error:
+        raise InputError(name, error.found, error.allowed) from None
 
 
 def _alike(one: Outline, two: Outline) -> bool:

@@ -10,7 +10,7 @@ from gearfem.definition.setup import Member, Setup
 from gearfem.effects.effect import Effect
 from gearfem.effects.on_flank import without
 from gearfem.flank import Flanks
-from gearfem.foundation import Array, InputError
+from gearfem.foundation import Array
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -37,12 +37,7 @@ class Worn(Effect):
 
     def act(self, flanks: Flanks, setup: Setup) -> Flanks:
         """Take the worn metal from all teeth."""
-        if not self.depth.any():
-            return flanks
-        try:
-            return without(flanks, self.gear, lambda roll: self.depth)
-        except InputError as error:
-            raise InputError(f"{self.gear}, wear", error.found, error.allowed) from None
+        return without(flanks, self.gear, lambda roll: self.depth) if self.depth.any() else flanks
 
     def describe(self) -> str:
         """Return the sentence for reports."""

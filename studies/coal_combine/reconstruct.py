@@ -78,18 +78,22 @@ def model_text(base: str, number: int, case: Case | None, life: Life | None, dep
     """Return the model file of a case: the pair of Table 1 with the flanks of Table 2."""
     body = base[base.index("[pair]") :]
     if case is None or life is None:
-        return f'# Case 0 of Table 2 in Wojnarowski & Onishchenko (2003): the pair of model.toml, without wear.\nname = "coal combine pair, case 0"\n\n{body}'
+        title = "# Case 0 of Table 2 in Wojnarowski & Onishchenko (2003): the pair of model.toml, without wear."
+        return f'{title}\nname = "coal combine pair, case 0"\n\n{body}'
     law = life.law
     ranges = ", ".join(f"{member} {depth.min() / MM:.2f} to {depth.max() / MM:.2f} mm" for member, depth in depths.items())
+    volumes, factors = (volume / MM3 for volume in case.volumes), (law.pinion_coefficient, law.wheel_coefficient)
+    pinion, wheel = (f"{volume:g}" for volume in volumes)
+    k1, k2 = (f"{factor:.3g}" for factor in factors)
     lines = [
-        f"Case {number} of Table 2 in Wojnarowski & Onishchenko (2003): machine {case.machine} after {case.hours:g} h. A RECONSTRUCTION: the",
-        "measured curves exist only as a picture (Fig. 6). Made by reconstruct.py beside this file. From the paper:",
-        f"  volumes worn off one flank: pinion {case.volumes[0] / MM3:g}, wheel {case.volumes[1] / MM3:g} mm3 (metal between involute and fitted flank);",
+        f"Case {number} of Table 2 in Wojnarowski & Onishchenko (2003): machine {case.machine} after {case.hours:g} h.",
+        "A RECONSTRUCTION: the measured curves exist only as a picture (Fig. 6). Made by reconstruct.py beside this file. From the paper:",
+        f"  volumes worn off one flank: pinion {pinion}, wheel {wheel} mm3 (metal between involute and fitted flank);",
         "  depths of 0.1 to 0.7 mm, unequal along the height; in heavy wear the least need not lie at the pitch point; 30 to 40 points.",
         "Assumed:",
         "  Archard's law at constant speed under the operation torque, contacts and load sharing following the wear;",
         f"  dirt in the oil: rolling wears as {rolling:g} of sliding; without it the pitch point would hardly wear;",
-        f"  one coefficient of wear for each gear, k = {law.pinion_coefficient:.3g} (pinion) and {law.wheel_coefficient:.3g} 1/Pa (wheel), from the volumes;",
+        f"  one coefficient of wear for each gear, k = {k1} (pinion) and {k2} 1/Pa (wheel), from the volumes;",
         "  all teeth of a gear alike; no wear below what the mate's tip reaches.",
         f"Depths where the flank works: {ranges}.",
     ]

@@ -11,12 +11,12 @@ from PIL import Image
 
 from gearfem.cli import main
 from gearfem.cli import wearing as work
-from gearfem.flank import make_flanks
+from gearfem.flank import Deviation, make_flanks
 from gearfem.foundation import InputError
 from gearfem.foundation.columns import read_columns
 from gearfem.model import load_model
 from gearfem.report.kinematics_plots import enlargement
-from gearfem.wear import Archard, removed_volume
+from gearfem.wear import Archard, Worn, removed_volume
 
 MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
 
@@ -87,6 +87,13 @@ def test_kinematics_of_other_pitches_and_of_odd_teeth(tmp_path):
     # Pair 1 is sound: its normal passes through the pitch point wherever its flanks touch.
     assert np.median(np.abs(rows["gear_ratio_pair"][single] - 3.1875)) < 1e-9
     assert call("kinematics", MODEL, "--out", tmp_path, "--pitches", 1, 1).exit_code == 2
+
+
+def test_a_flank_that_wears_too_deep_is_named():
+    setup = load_model(MODEL)
+    nodes = Deviation.none(setup.pair.wheel).roll
+    with pytest.raises(InputError, match=r"flank of the wheel: found a depth of 3 mm"):
+        Worn(gear="wheel", depth=np.full(nodes.size, 3e-3)).act(make_flanks(setup), setup)
 
 
 def test_coefficients_and_factors_of_pictures():
