@@ -142,7 +142,8 @@ def statements(found: dict[int, Figures]) -> list[Statement]:
             f"case 1 {100 * one.ratio_away:.1f} %, case 2 {100 * two.ratio_away:.1f} % at most; over 99 % of the pitch "
             f"{100 * smooth[1]:.1f} and {100 * smooth[2]:.1f} %",
             max(one.ratio_away, two.ratio_away) <= 0.05,
-            "the largest value stands where one pair hands over to the next at once, over a degree and less",
+            "the largest value of case 1 is a step of the transmission error over one angle: the contact of a pair jumps over a hollow, "
+            "and only one contact per pair is followed, where in truth both carry for a while",
         ),
         said(
             "Fig. 8",

@@ -64,7 +64,7 @@ def plot_outlines(results: Results) -> Figure:
         for (name, outline), colour in zip(teeth, (style.BLUE, style.VERMILION, style.GREEN), strict=False):
             if outline.worn:
                 _side(axis, _enlarged(outline, factor), colour, f"{name}, missing metal {factor:g} times")
-        deepest = " and ".join(f"{one.deepest / UM:.4g} µm" for _, one in teeth if one.worn) or "nothing missing"
+        deepest = ", ".join(f"up to {one.deepest / UM:.4g} µm" for _, one in teeth if one.worn) or "nothing missing"
         axis.set_title(f"{member}, z = {gear.teeth}: {deepest}")
         axis.set_aspect("equal")
         axis.set_xlabel("across the tooth, mm")

@@ -191,7 +191,7 @@ def plot_velocities(results: Results) -> Figure:
     figure, (axis,) = _over_angle(results, "velocity of pair 0, m/s")
     column = contacts.pairs.index(0)
     x = contacts.pinion_angle / results.setup.pair.pinion.pitch_angle
-    held, straight = engagement.force[:, column] > 0.0, contacts.gap[:, column] == 0.0
+    held, straight = engagement.force[:, column] > 0.0, contacts.on_flanks[:, column]
     # At a corner the contact stands still on the tip and runs along the mate: parts of their own, not a curve with jumps.
     parts = ((held & straight, 1.5), (held & ~straight & (x < 0.0), 0.8), (held & ~straight & (x > 0.0), 0.8))
     axis.axhline(0.0, color=style.GREY, linewidth=0.7)

@@ -210,7 +210,8 @@ def test_kinematics_has_one_row_per_pair_in_contact(results, tmp_path):
     assert header == [
         "pinion_angle_rad", "pair", "gear_ratio", "gear_ratio_unloaded", "gear_ratio_force", "contact_x_mm", "contact_y_mm",
         "pressure_angle_deg", "rolling_velocity_1_m_per_s", "rolling_velocity_2_m_per_s", "sliding_velocity_m_per_s",
-        "equivalent_radius_mm",
+        "equivalent_radius_mm", "gear_ratio_pair", "material_velocity_1_m_per_s", "material_velocity_2_m_per_s",
+        "specific_sliding_1", "specific_sliding_2", "contact_pressure_MPa", "normal_force_N",
     ]  # fmt: skip
     assert len(columns["pair"]) == int((results.engagement.force > 0.0).sum())
     at_pitch = np.flatnonzero((np.abs(columns["pinion_angle_rad"].astype(float)) < 1e-9) & (columns["pair"] == "0"))[0]
