@@ -17,7 +17,7 @@ def several_teeth(outline: Outline, centre_x: float, axis: float, turn: float, n
     Parameters
     ----------
     outline : Outline
-        One side of a tooth.
+        Working side of a tooth; the idle one is without wear.
     centre_x : float
         Where the gear's axis lies on the line of centres [m].
     axis : float
@@ -33,8 +33,8 @@ def several_teeth(outline: Outline, centre_x: float, axis: float, turn: float, n
         Points [m] in order of increasing polar angle about the gear's centre.
     """
     # Sixty points on each of the five segments keep the chord error of the largest under a micrometre.
-    side = outline.point(np.linspace(0.0, 5.0, 301))
-    tooth = np.concatenate([side[:-1] * (1.0, -1.0), side[::-1]])
+    u = np.linspace(0.0, 5.0, 301)
+    tooth = np.concatenate([Outline(gear=outline.gear).point(u)[:-1] * (1.0, -1.0), outline.point(u)[::-1]])
     parts = []
     for number in range(neighbours, -neighbours - 1, -1) if turn > 0.0 else range(-neighbours, neighbours + 1):
         angle = axis - turn * number * outline.gear.pitch_angle
