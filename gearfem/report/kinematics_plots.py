@@ -63,7 +63,8 @@ def plot_outlines(results: Results) -> Figure:
         _side(axis, Outline(gear=gear).point(np.linspace(0.0, 5.0, 401)), style.GREY, "without wear")
         for (name, outline), colour in zip(teeth, (style.BLUE, style.VERMILION, style.GREEN), strict=False):
             if outline.worn:
-                _side(axis, _enlarged(outline, factor), colour, f"{name}, missing metal {factor:g} times")
+                scale = f"missing metal {factor:g} times" if factor > 1.0 else "to scale"
+                _side(axis, _enlarged(outline, factor), colour, f"{name}, {scale}")
         deepest = ", ".join(f"up to {one.deepest / UM:.4g} µm" for _, one in teeth if one.worn) or "nothing missing"
         axis.set_title(f"{member}, z = {gear.teeth}: {deepest}")
         axis.set_aspect("equal")
