@@ -32,7 +32,7 @@ def enlargement(depth: float, module: float) -> float:
     Examples
     --------
     >>> enlargement(2e-4, 8e-3), enlargement(0.0, 8e-3), enlargement(2e-3, 8e-3)
-    (5.0, 1.0, 1.0)
+    (2.0, 1.0, 1.0)
     """
     if depth <= 0.0:
         return 1.0
