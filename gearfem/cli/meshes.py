@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gearfem.assembly import flanks_of
 from gearfem.cli.steps import SUPPORTS, Done
 from gearfem.compliance import FiniteElements, SolidElements, load_positions
 from gearfem.compliance.foreign import check_mesh, foreign_curve
@@ -14,7 +15,7 @@ from gearfem.compliance.mesh_writing import FORMATS, format_of, write_section, w
 from gearfem.definition.setup import Member, Setup
 from gearfem.foundation import InputError
 from gearfem.foundation.units import UM_PER_N_PER_MM
-from gearfem.pipeline import Results, flanks_of
+from gearfem.pipeline import Results
 from gearfem.report import write_compliance
 
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 
+from gearfem.assembly import flanks_of
 from gearfem.compliance import (
     Bore,
     Castigliano,
@@ -37,7 +38,7 @@ from gearfem.flank import Flanks, Outline
 from gearfem.foundation import Array, InputError
 from gearfem.foundation.progress import Progress
 from gearfem.foundation.units import N_PER_MM_UM, UM_PER_N_PER_MM
-from gearfem.pipeline import Results, flanks_of
+from gearfem.pipeline import Results
 from gearfem.pipeline import run as run_chain
 from gearfem.report import (
     Rendering,

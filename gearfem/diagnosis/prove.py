@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from gearfem.assembly import assemble
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
@@ -23,7 +24,6 @@ from gearfem.diagnosis.teeth import tooth_columns
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
-from gearfem.pipeline import assemble
 from gearfem.sensing import Request, System, observe, requests
 
 

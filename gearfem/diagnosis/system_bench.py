@@ -22,7 +22,7 @@ class SystemBench(Record):
     Parameters
     ----------
     system : System
-        From `gearfem.pipeline.assemble`.
+        From `gearfem.assembly.assemble`.
 
     Notes
     -----

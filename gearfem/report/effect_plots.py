@@ -7,9 +7,10 @@ import dataclasses
 import numpy as np
 from matplotlib.figure import Figure
 
+from gearfem.assembly import assemble
 from gearfem.effects import Effect
 from gearfem.foundation.units import UM
-from gearfem.pipeline import Results, assemble
+from gearfem.pipeline import Results
 from gearfem.report import style
 from gearfem.sensing.motion import slowly
 

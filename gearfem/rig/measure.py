@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gearfem.assembly import assemble
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Gear, Setup
 from gearfem.diagnosis.quantities import QUANTITIES, Quantity
@@ -18,7 +19,6 @@ from gearfem.foundation.files import write_csv, write_json
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.foundation.toml import write_toml
 from gearfem.foundation.units import RPM, UM
-from gearfem.pipeline import assemble
 from gearfem.rig.plan import InstrumentTable, Plan, PlannedRecord
 from gearfem.sensing import Resonance, System, observe, requests
 

@@ -168,7 +168,7 @@ def observe(system: System, request: Request) -> Array:
     Parameters
     ----------
     system : System
-        The gears with all their effects, from `gearfem.pipeline.assemble`.
+        The gears with all their effects, from `gearfem.assembly.assemble`.
     request : Request
         What was measured, where and under which torque and speed.
 

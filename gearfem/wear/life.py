@@ -8,6 +8,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from gearfem.assembly import assemble
 from gearfem.definition.setup import Gear, Member, Setup
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import Mesh, engage
@@ -15,7 +16,6 @@ from gearfem.engagement.record import Engagement
 from gearfem.flank import Deviation
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
-from gearfem.pipeline import assemble
 from gearfem.wear.archard import FINEST, Archard, wear_rates
 from gearfem.wear.volume import removed_volume
 from gearfem.wear.worn import Worn

@@ -14,12 +14,13 @@ import pytest
 from scipy.optimize import least_squares
 
 from gearfem import InputError, make_setup
+from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
 from gearfem.dynamics import make_drive
 from gearfem.effects import Effect
 from gearfem.effects.catalogue import catalogue, effects_from, in_history
 from gearfem.foundation import Array, Record
-from gearfem.pipeline import assemble, run
+from gearfem.pipeline import run
 from gearfem.report.effect_plots import has_effects, plot_effects
 from gearfem.sensing import System, observe, requests
 

@@ -21,6 +21,7 @@ LINE = (
     "sensing",
     "effects",
     "model",
+    "assembly",
     "pipeline",
     "wear",
     "diagnosis",

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from gearfem.assembly import assemble
 from gearfem.cli import main
 from gearfem.diagnosis import Diagnosis, bench_of, choose, compare, diagnose, fit, prove, read_campaign, start, write_diagnosis
 from gearfem.diagnosis.suggest import suggest
@@ -22,7 +23,6 @@ from gearfem.foundation import InputError
 from gearfem.foundation.toml import write_toml
 from gearfem.foundation.units import MM, UM
 from gearfem.model import load_model
-from gearfem.pipeline import assemble
 from gearfem.report import write_diagnosis_report
 from gearfem.rig import measure, read_plan
 from gearfem.sensing import observe, requests

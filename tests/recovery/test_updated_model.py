@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gearfem.assembly import assemble
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.quantities import QUANTITIES
@@ -19,7 +20,6 @@ from gearfem.effects.catalogue import catalogue, read_effects
 from gearfem.foundation import Array
 from gearfem.foundation.toml import write_toml
 from gearfem.model import load_model, make_setup
-from gearfem.pipeline import assemble
 from gearfem.sensing import observe, requests
 
 TABLES: dict[str, Any] = {

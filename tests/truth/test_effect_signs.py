@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from gearfem import make_setup
+from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
 from gearfem.effects import Effect
 from gearfem.effects.catalogue import catalogue
 from gearfem.foundation import Array
-from gearfem.pipeline import assemble
 from gearfem.sensing import System, observe, requests
 
 MODEL = {

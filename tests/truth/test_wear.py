@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from gearfem.assembly import assemble
 from gearfem.engagement.engage import engage
 from gearfem.flank import Deviation, Outline, make_flanks
 from gearfem.foundation import InputError
-from gearfem.pipeline import assemble
 from gearfem.wear import Archard, depth_for_volume, removed_volume, wear_over, wear_rates
 
 WIDTH = 0.075
