@@ -21,8 +21,10 @@ def stiff(angle):
 
 def test_drive_repeats_the_operation(coal_combine):
     drive = make_drive(coal_combine)
-    for field in dataclasses.fields(drive):
-        assert getattr(drive, field.name) == getattr(coal_combine.operation, field.name)
+    stated = {field.name for field in dataclasses.fields(drive)} - {"ripples"}
+    assert {name: getattr(drive, name) for name in stated} == {name: getattr(coal_combine.operation, name) for name in stated}
+    # Torques vary by an effect alone.
+    assert drive.ripples == ()
 
 
 @pytest.mark.parametrize(
