@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from gearfem.assembly import assemble
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
@@ -21,10 +22,11 @@ from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.progress import Progress, quiet
-from gearfem.pipeline import assemble
 
-# Rounds in which derivatives are taken again.
-SETTLED = 3
+# Terms of the waviness of a flank: tooth by tooth it is finer than what a comparison needs to find the angle and the noise.
+TERMS = 14
+# Rounds of the first fit, before derivatives are taken again; most rounds in which they are; draws of noise behind each map.
+EARLY, SETTLED, DRAWS = 4, 3, 100
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -109,11 +111,10 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
         raise InputError("record", "no record of role fit", "at least one record that is not held out", campaign.path)
     comparison = compare(campaign, bench_of(campaign), progress=progress)
     problem, alone = start(comparison)
-    before = localise(comparison, _forms(problem), progress=progress)
+    comparison = remainder(comparison, problem, alone)
+    before = localise(comparison, _forms(problem), DRAWS, progress=progress)
     naming = name(problem, alone, kinds, progress)
-    naming = dataclasses.replace(naming, alone=settle(problem, naming.alone))
-    naming = _settled(naming, settle(problem, naming.fit) if naming.fit.effects else naming.alone)
-    after = localise(remainder(comparison, problem, naming.fit), progress=progress) if naming.fit.effects else before
+    after = localise(remainder(comparison, problem, naming.fit), None, DRAWS, progress=progress) if naming.fit.effects else before
     proof = prove(problem, naming.fit, naming.alone, progress)
     draft = Diagnosis(comparison=comparison, before=before, after=after, problem=problem, naming=naming, proof=proof, suggestions=())
     rivals = [rival.effects for rival in draft.alternatives]
@@ -162,11 +163,12 @@ def start(comparison: Comparison) -> tuple[Problem, Fit]:
         Of nuisances alone: its noise and its angle zero are where everything starts from.
     """
     records = comparison.records
-    problem = Problem(comparison.campaign, tuple(r.measurement for r in records), tuple(r.noise for r in records), comparison.scatter)
+    scatter = dataclasses.replace(comparison.scatter, terms=TERMS)
+    problem = Problem(comparison.campaign, tuple(r.measurement for r in records), tuple(r.noise for r in records), scatter)
     moved = np.array([shift.deviations if shift.name == "angle_offset" else 0.0 for shift in comparison.shifts])
     # Scales that try to do the work of a missing effect stand at their limits, where derivatives mean little.
-    unknown = problem.prepare((), moved)
-    return problem, problem.fit((), unknown)
+    alone = problem.fit((), problem.prepare((), moved), EARLY)
+    return problem, problem.fit((), problem.prepare((), alone.point.unknown))
 
 
 def settle(problem: Problem, fit: Fit) -> Fit:
@@ -210,14 +212,6 @@ def remainder(comparison: Comparison, problem: Problem, fit: Fit) -> Comparison:
     return dataclasses.replace(
         comparison, settings=fit.settings, records=records, residual=problem.effective(fit.point), elimination=elimination
     )
-
-
-def _settled(naming: Naming, fit: Fit) -> Naming:
-    """Return a naming whose fit has moved, its sentence with the new values."""
-    sentence = naming.sentence
-    for old, new in zip(naming.fit.effects, fit.effects, strict=True):
-        sentence = sentence.replace(old.describe(), new.describe())
-    return dataclasses.replace(naming, fit=fit, sentence=sentence)
 
 
 def _forms(problem: Problem) -> Array:

@@ -27,8 +27,9 @@ Freed: TypeAlias = Callable[[Array], tuple[Array, Array]]
 FREE = 1.0
 ROUNDS, HALVINGS, SETTLED = 7, 3, 1.0
 DIFFERENCE = 0.03
-# Share of its own deviation to which a record is predicted when everything in it is known: teeth in motion are linearised.
-ACCURACY_SLOW, ACCURACY_MOVING = 0.02, 0.05
+# Share of its own deviation to which a record is predicted when all that is named is known: waviness finer than the terms fitted, teeth
+# that act on each other by it, and at speed its linearised response; healthy pairs leave this much.
+ACCURACY_SLOW, ACCURACY_MOVING = 0.04, 0.08
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -183,10 +184,13 @@ class Problem:
         # The index errors are in the prediction: their columns put them back, so that all inner unknowns start from 0.
         misfit = self.whiten(tuple(r.value - p for r, p in zip(self.records, predicted, strict=True)))
         residual = misfit + self.linear.moved(index)
-        linear = self.linear.weighed(self.weights if weights is None else weights)
-        solved = linear.solve(residual)
-        white = residual - linear.moved(solved)
-        cost, deserved = profile(np.array([white[rows] @ white[rows] for rows in linear.rows]), self.counts, self.floor)
+        # Without weights from a point nearby, those that this point deserves are found first.
+        deserved = self.weights if weights is None else weights
+        for _ in range(3 if weights is None else 1):
+            linear = self.linear.weighed(deserved)
+            solved = linear.solve(residual)
+            white = residual - linear.moved(solved)
+            cost, deserved = profile(np.array([white[rows] @ white[rows] for rows in linear.rows]), self.counts, self.floor)
         return Point(
             effects=effects,
             unknown=np.concatenate([outer, solved]),
@@ -326,6 +330,16 @@ class Problem:
     def effective(self, point: Point) -> Array:
         """Return the whitened residual with the scales put back to their priors too, so that `free` frees it from all nuisances."""
         return point.residual + self.scales @ point.unknown[: self.outer]
+
+    def value(self, predicted: tuple[Array, ...], point: Point) -> float:
+        """Return the objective of another prediction with the scales and index errors of a point."""
+        misfit = self.whiten(tuple(r.value - p for r, p in zip(self.records, predicted, strict=True)))
+        residual = misfit + self.linear.moved(point.index)
+        linear, outer = self.linear.weighed(point.weights), point.unknown[: self.outer]
+        solved = linear.solve(residual)
+        white = residual - linear.moved(solved)
+        cost, _ = profile(np.array([white[rows] @ white[rows] for rows in linear.rows]), self.counts, self.floor)
+        return float(cost.sum() + solved @ solved + outer @ outer)
 
     def freed(self, point: Point) -> Freed:
         """Return what measures signatures against all that a point leaves, freed from all nuisances."""

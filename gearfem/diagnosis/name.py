@@ -14,7 +14,7 @@ from gearfem.diagnosis.fit import Fit, Problem
 from gearfem.diagnosis.rank import Candidate, rank, rank_again, together
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.effects.effect import Effect
-from gearfem.foundation import InputError, Record, SolveError
+from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
@@ -23,15 +23,23 @@ Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplaine
 PARAMETER = 8.0
 # What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
 DETECTED = 40.0
+# Healthy pairs have gained up to a fiftieth of the rows by effects that imitate errors of our model: more is asked of a name.
+IMITATED = 0.03
 # A further name must gain this share of what the first ones did: less is the difference between their shapes and the real ones.
 FURTHER = 0.05
 # Explanations closer than this cannot be told apart; shapes of real effects differ from ours, by this share of what they explain.
 THRESHOLD, SHAPE = 10.0, 0.03
 FITTED, PAIRED, MOST = 6, 3, 3
+# Rivals that are fitted again beside the best explanation: those within this share of what it gains.
+NEAR, RIVALS, AGAIN = 0.3, 5, 2
+# What a parameter costs that ends at a bound: the shape wants to be another one.
+AT_BOUND = 30.0
 # Share of the gap that names must close: less is no explanation, and more brings it to the noise.
 STANDS, CLOSED = 0.60, 0.90
 # What fits may leave, over what can be expected of them, before it counts as a gap.
 GAP = 1.25
+# What may remain beside a name that stands.
+REST = 3.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -109,7 +117,7 @@ class _Search:
 
         def one(effects: tuple[Effect, ...]) -> Fit | None:
             try:
-                return self.problem.fit(effects, base.point.unknown, hopeless=worth)
+                return self.problem.fit(effects, self.start(effects, base), hopeless=worth)
             except (InputError, SolveError):
                 return None
 
@@ -118,6 +126,34 @@ class _Search:
             if found is not None:
                 self.fits[label(effects)] = found
         progress(words, max(len(new), 1), max(len(new), 1))
+
+    def start(self, effects: tuple[Effect, ...], base: Fit) -> Array:
+        """Return the nuisances from which effects leave less: those of a fit without them, or scales as the model has them.
+
+        Scales that did the work of a missing effect stand far off, where derivatives mean little.
+        """
+        neutral = base.point.unknown.copy()
+        names = [nuisance.name for nuisance in self.problem.nuisances]
+        neutral[[place for place, word in enumerate(names) if word != "angle_offset"]] = 0.0
+        starts = (base.point.unknown, neutral)
+        return min(starts, key=lambda unknown: self.problem.at(effects, unknown).objective)
+
+    def again(self) -> None:
+        """Take the derivatives of all nuisances again at the best fit, and fit it, its nearest rivals and the nuisances alone anew."""
+        best = self.best()
+        gained = self.alone.objective - best.objective
+        near = sorted(self.fits.values(), key=lambda fit: fit.objective)
+        kept = [fit for fit in near if fit is not best and fit.effects and fit.objective - best.objective < NEAR * gained][:RIVALS]
+        self.problem.prepare(best.effects, best.point.unknown)
+        jobs = [self.alone, best, *kept]
+
+        def one(fit: Fit) -> Fit:
+            return self.problem.fit(fit.effects, fit.point.unknown)
+
+        fits = list(side_by_side(one, jobs))
+        self.alone, self.fits = fits[0], {label(fit.effects): fit for fit in fits}
+        parts = [best.effects[:out] + best.effects[out + 1 :] for out in range(len(best.effects))] if len(best.effects) > 1 else []
+        self.fit(parts, fits[1])
 
     def cost(self, effects: tuple[Effect, ...]) -> float:
         """Return what an explanation pays for its parameters and for the teeth and gears among which it was chosen."""
@@ -131,12 +167,17 @@ class _Search:
 
     def score(self, fit: Fit) -> float:
         """Return the score of a fit; lower is better."""
-        return fit.objective + self.cost(fit.effects)
+        return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound)
+
+    @property
+    def detected(self) -> float:
+        """Least gain that counts."""
+        return max(DETECTED, IMITATED * self.rows)
 
     def best(self, most: int = MOST) -> Fit:
         """Return the fit of the best score; each effect more must pay for itself by its share of the gain too."""
         least = min(fit.objective for fit in self.fits.values())
-        further = max(DETECTED, FURTHER * (self.alone.objective - least))
+        further = max(self.detected, FURTHER * (self.alone.objective - least))
         few = (fit for fit in self.fits.values() if len(fit.effects) <= most)
         return min(few, key=lambda fit: self.score(fit) + further * max(len(fit.effects) - 1, 0))
 
@@ -182,6 +223,10 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         setup = problem.campaign.setup
         search.fit([(*best.effects, candidate.start(setup)) for candidate in again[:PAIRED]], best, progress, "further effects")
     _eliminate(search)
+    for _ in range(AGAIN if search.best().effects else 1):
+        progress("rivals again", 0, 1)
+        search.again()
+    progress("rivals again", 1, 1)
     return _verdict(search, first)
 
 
@@ -191,13 +236,13 @@ def _taken(best: Fit) -> set[str]:
 
 
 def _singles(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
-    chosen = [c for c in candidates if c.gain > DETECTED / 2.0][:FITTED]
+    chosen = [c for c in candidates if c.gain > DETECTED / 8.0][:FITTED]
     search.fit([(candidate.start(search.problem.campaign.setup),) for candidate in chosen], alone, progress, "single effects")
 
 
 def _pairs(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
     """Fit the pairs of the first candidates that promise most together."""
-    few = [c for c in candidates if c.gain > DETECTED / 2.0][:5]
+    few = [c for c in candidates if c.gain > DETECTED / 8.0][:5]
     pairs = [(a, b) for i, a in enumerate(few) for b in few[i + 1 :] if a.effect.name != b.effect.name or a.label != b.label]
     gains = sorted(((together(search.problem, alone, pair), pair) for pair in pairs), key=lambda item: -item[0])
     single = alone.objective - search.best(1).objective
@@ -228,9 +273,9 @@ def _verdict(search: _Search, candidates: tuple[Candidate, ...]) -> Naming:
     )
     level, remains = (_level(fit, search.problem) for fit in (alone, best))
     close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
-    if not best.effects or gained < DETECTED:
+    if not best.effects or gained < search.detected:
         verdict: Verdict = "no_discrepancy" if level < GAP else "unexplained"
-    elif closed < STANDS:
+    elif remains > GAP and (closed < STANDS or remains > REST):
         verdict = "unexplained"
     elif close:
         verdict = "ambiguous"

@@ -238,7 +238,11 @@ def _candidate(problem: Problem, base: Fit, freed: Freed, effect: Effect) -> Can
     if not signature @ signature > 0.0:
         return None
     candidate = _scored(effect, signature, freed, setup)
-    return candidate if candidate.share > 1e-6 else None
+    if candidate.share <= 1e-6:
+        return None
+    # Where the response bends far, as where teeth separate, what it does as it stands tells more than its slope.
+    real = point.objective - problem.value(moved, point)
+    return dataclasses.replace(candidate, gain=real, amplitude=1.0) if real > candidate.gain else candidate
 
 
 def _scored(effect: Effect, signature: Array, freed: Freed, setup: Setup) -> Candidate:
