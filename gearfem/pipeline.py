@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 
 from gearfem.assembly import assemble as assemble
-from gearfem.assembly import effects_in, flanks_of
+from gearfem.assembly import flanks_of
+from gearfem.assumptions import UNEVEN, even, of_flanks, of_system
 from gearfem.compliance import (
     Bore,
     Castigliano,
@@ -24,19 +25,17 @@ from gearfem.compliance import (
 )
 from gearfem.compliance.record import Compliance, ComplianceCurve
 from gearfem.compliance.solid_curve import QUICK
-from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, rigid_motion, unloaded_transport, wheel_torque_sentence
 from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
 from gearfem.dynamics.uneven import uneven_motion
-from gearfem.effects.catalogue import in_history
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
 from gearfem.engagement.turns import Turns
-from gearfem.flank import Flanks, fitted_flanks, path_of_contact
-from gearfem.foundation import Array, Record, digest
+from gearfem.flank import Flanks
+from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.sensing import System
 
@@ -45,21 +44,6 @@ STAGES: tuple[Stage, ...] = ("flank", "compliance", "engagement", "dynamics")
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
 # The transition from one pair to two takes a twentieth of a pitch, 320 of these steps; Kw is met to about 0.1 %.
 RIGID_STEPS = 6400
-
-METHOD_ASSUMPTIONS = (
-    "Plane strain across the whole face width; the load is uniform along it.",
-    "Each gear is a disc with a solid web, held rigidly on its bore; shafts and bearings yield in the elastic dynamics alone, where given.",
-    "The contact is a line contact without friction, its band cut off at a tip edge; below it, each tooth yields as its "
-    "finite elements do down to its centreline.",
-    "The rigid model takes the ratio of the forces under the operation torque, which changes hands over a finite angle; "
-    "the elastic model takes the unloaded ratio, since its own deflection adds the rest.",
-)
-UNEVEN = (
-    "Rigid and classical models: teeth like most of their gear's, evenly spaced, under steady torques. What differs from tooth to tooth "
-    "or varies with the turns acts in the elastic model, which is stepped over whole turns."
-)
-FITTED = "Fitted values of [calibration] act on stiffness, torque, inertia, damping, readings and tooth spacing."
-EVEN = "All teeth are equal and perfectly spaced."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -152,7 +136,7 @@ def run(
     setup = dataclasses.replace(setup, effects=(*setup.effects, *effects))
     progress("flanks and compliance", 0, 2)
     flanks = flanks_of(setup)
-    results = Results(setup=setup, flanks=flanks, assumptions=setup.assumptions + _undercut(flanks, setup) + _sentences(setup))
+    results = Results(setup=setup, flanks=flanks, assumptions=setup.assumptions + of_flanks(flanks, setup))
     if last >= STAGES.index("compliance"):
         results = _with_compliance(results, comparison, progress)
     if last >= STAGES.index("engagement"):
@@ -199,21 +183,6 @@ def compare_methods(flanks: Flanks, face_width: float, progress: Progress = quie
     return tuple(curves)
 
 
-def _undercut(flanks: Flanks, setup: Setup) -> tuple[str, ...]:
-    full, left = setup.pair.contact_ratio, sum(path_of_contact(flanks, setup.pair)) / setup.pair.base_pitch
-    if left > full - 1e-9:
-        return ()
-    return (f"Undercut shortens the path of contact: the contact ratio is {left:.4f}, not the {full:.4f} of the full tip circles.",)
-
-
-def _sentences(setup: Setup) -> tuple[str, ...]:
-    """Return what acts on the pair beyond its design, one sentence each."""
-    effects = tuple(f"Effect: {effect.describe()}." for effect in in_history(effects_in(setup)))
-    fits = tuple(flank.sentence for flank in fitted_flanks(setup))
-    plain = digest(setup.calibration) == digest(Calibration())
-    return (*fits, *effects) if plain else (*fits, *effects, FITTED)
-
-
 def _with_compliance(results: Results, comparison: bool, progress: Progress) -> Results:
     system = assemble(results.setup)
     compliance = system.compliance
@@ -229,16 +198,8 @@ def _with_compliance(results: Results, comparison: bool, progress: Progress) -> 
         mesh=system.mesh,
         system=system,
         comparison=compare_methods(results.flanks, pair.face_width, progress) if comparison else (),
-        assumptions=results.assumptions + METHOD_ASSUMPTIONS + ((EVEN,) if _even(system) else ()),
+        assumptions=results.assumptions + of_system(system),
     )
-
-
-def _even(system: System) -> bool:
-    """Whether all teeth of a gear are alike and in their places."""
-    flanks, compliance, placement = system.flanks, system.compliance, system.placement
-    odd = (flanks.pinion_odd, flanks.wheel_odd, compliance.pinion_odd, compliance.wheel_odd)
-    places = (placement.pinion_late, placement.wheel_late, np.array([*placement.pinion_runout, *placement.wheel_runout]))
-    return not any(odd) and not any(np.any(place) for place in places)
 
 
 def _with_engagement(results: Results, torque: float, angles: Array | None) -> Results:
@@ -256,13 +217,13 @@ def _with_dynamics(results: Results, progress: Progress) -> Results:
     drive = results.system.drive
     pitch = setup.pair.pinion.pitch_angle
     torque = drive.pinion_torque
-    even = results.mesh if _even(results.system) else _evened(results.mesh)
-    forces = mesh_force(even, torque)
+    alike = results.mesh if even(results.system) else _evened(results.mesh)
+    forces = mesh_force(alike, torque)
     positions = np.arange(RIGID_STEPS) / RIGID_STEPS * pitch
-    ratio = _closed(engage(even, positions, torque).gear_ratio_force, setup.pair.ratio)
+    ratio = _closed(engage(alike, positions, torque).gear_ratio_force, setup.pair.ratio)
     rigid = rigid_motion(positions, ratio, pitch, drive, kinked)
     coarse = rigid_motion(positions[::2], ratio[::2], pitch, drive, kinked)
-    if even is results.mesh and not drive.ripples:
+    if alike is results.mesh and not drive.ripples:
         elastic = elastic_motion(forces, drive, unloaded_transport(forces, drive), progress=progress)
     else:
         elastic = uneven_motion(Turns(mesh=results.mesh), drive)
@@ -282,7 +243,7 @@ def _with_dynamics(results: Results, progress: Progress) -> Results:
             wheel_torque_sentence("elastic", drive, elastic.wheel_torque),
             wheel_torque_sentence("classical", drive, classical.wheel_torque),
             f"Classical model: inertias of the gears alone, solid discs of {discs[0]:.4g} and {discs[1]:.4g} kg m2.",
-            *(() if even is results.mesh and not drive.ripples else (UNEVEN,)),
+            *(() if alike is results.mesh and not drive.ripples else (UNEVEN,)),
         ),
     )
 

@@ -22,6 +22,7 @@ LINE = (
     "effects",
     "model",
     "assembly",
+    "assumptions",
     "pipeline",
     "wear",
     "diagnosis",
