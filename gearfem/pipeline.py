@@ -8,8 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearfem.assembly import assemble as assemble
-from gearfem.assembly import flanks_of
+from gearfem.assembly import assemble, flanks_of
 from gearfem.assumptions import UNEVEN, even, of_flanks, of_system
 from gearfem.compliance import (
     Bore,

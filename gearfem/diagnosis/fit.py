@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from gearfem.assembly import assemble
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.marginal import Marginal, marginal, profile
@@ -19,7 +20,6 @@ from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
-from gearfem.pipeline import assemble
 
 # What measures whitened signatures, shape (m, p): their products with each other, (p, p), and with what is left, (p,).
 Freed: TypeAlias = Callable[[Array], tuple[Array, Array]]
