@@ -107,12 +107,12 @@ def number_rows(scores: Sequence[Scored]) -> list[dict[str, Any]]:
     """Return the goals that are medians: gap on hold-out records of clear single effects, parameter errors; and the time."""
     clear = [gap for one in scores if (one.label.kind, one.label.level) == ("single", "easy") for gap in one.gaps]
     errors = [p.error for one in scores for p in one.parameters]
-    seconds = [one.found.seconds for one in scores]
     return [
         _median("closure on hold-out records, clear cases", (gap.closure for gap in clear), f">= {CLOSURE:g}"),
         _median("after/floor on hold-out records, clear cases", (gap.after / gap.floor for gap in clear), f"<= {OVER_FLOOR:g}"),
         _median("parameter error over its stated error", errors, f"<= {ERROR:g}"),
-        _median("seconds per campaign", seconds, f"<= {TIME:g}"),
+        _median("seconds per campaign", (one.found.seconds for one in scores), f"<= {TIME:g}"),
+        _median("seconds of all cores per campaign", (one.found.core_seconds for one in scores), f"<= {2 * TIME:g}"),
     ]
 
 
@@ -173,6 +173,7 @@ def case_rows(scores: Sequence[Scored]) -> list[dict[str, Any]]:
             "after_over_floor": _middle([gap.after / gap.floor for gap in one.gaps]),
             "parameter_error": _middle([p.error for p in one.parameters]),
             "seconds": one.found.seconds,
+            "core_seconds": one.found.core_seconds,
             "suggestion": one.found.suggestion,
             "deciding": " ".join(one.label.deciding),
         }

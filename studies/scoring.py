@@ -62,7 +62,7 @@ class Label:
 
 @dataclass(frozen=True)
 class Found:
-    """A verdict as it was written, and how long it took [s], where that is known."""
+    """A verdict as it was written, and how long it took by the clock and on all cores [s], where that is known."""
 
     verdict: str
     effects: tuple[Mapping[str, Any], ...] = ()
@@ -70,6 +70,7 @@ class Found:
     gap: tuple[Mapping[str, Any], ...] = ()
     suggestion: str = ""
     seconds: float = math.nan
+    core_seconds: float = math.nan
     code: str = ""
 
     @property
@@ -279,7 +280,7 @@ def read_found(folder: Path) -> Found:
     """Read the verdict in a folder: diagnosis.json, with run.json beside it where the study wrote it."""
     run_file = folder / ("failed.json" if (folder / "failed.json").exists() else "run.json")
     run = json.loads(run_file.read_text(encoding="utf-8")) if run_file.exists() else {}
-    more = {"seconds": run.get("seconds", math.nan), "code": run.get("code", "")}
+    more = {"seconds": run.get("seconds", math.nan), "core_seconds": run.get("core_seconds", math.nan), "code": run.get("code", "")}
     if "error" in run:
         return Found("failed", **more)
     text = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
