@@ -26,10 +26,14 @@ def write_rows(path: Path, rows: list[dict[str, Any]], comments: tuple[str, ...]
     write_csv(path, {key: [row[key] for row in rows] for key in rows[0]}, comments)
 
 
-def print_table(title: str, rows: list[dict[str, Any]]) -> None:
-    """Print rows of equal keys in columns."""
+def table_text(title: str, rows: list[dict[str, Any]]) -> str:
+    """Return rows of equal keys in columns, under a title."""
     texts = [[f"{value:.4g}" if isinstance(value, float) else str(value) for value in row.values()] for row in rows]
     widths = [max(map(len, column)) for column in zip(rows[0], *texts, strict=True)]
-    print(f"\n{title}")
-    for line in (list(rows[0]), *texts):
-        print("  " + "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
+    lines = ("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in (list(rows[0]), *texts))
+    return "\n".join(["", title, *(f"  {line}".rstrip() for line in lines)])
+
+
+def print_table(title: str, rows: list[dict[str, Any]]) -> None:
+    """Print rows of equal keys in columns."""
+    print(table_text(title, rows))

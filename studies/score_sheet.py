@@ -10,16 +10,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import print_table, write_rows
+from common import table_text, write_rows
 from scipy.stats import binom, binomtest
 from scoring import FALSE, INTERVAL, OUTCOMES, Scored
 
+from gearfem.foundation.files import whole
 from gearfem.report import style
 
 LEVEL = 0.95
 # The generator's and a practice set's order; others follow.
 KINDS = ("single", "double", "none", "hidden", "twins", "weak")
 LEVELS = ("easy", "medium", "hard")
+# What is no name stands in the last columns of the picture.
+LAST = ("several names", "ambiguous", "unexplained", "no_discrepancy", "failed")
 # Seconds that a campaign may take on two cores.
 TIME = 300.0
 CLOSURE, OVER_FLOOR = 0.90, 1.2
@@ -28,7 +31,7 @@ ERROR = 2.0
 
 @dataclass(frozen=True)
 class Goal:
-    """A share that the project wants, of what and how much; `at_most` turns it round, `low` and `high` bound it on both sides."""
+    """A share that the project wants: at least `low`, at most `high`."""
 
     words: str
     low: float = 0.0
@@ -41,9 +44,8 @@ class Goal:
             return f"{100 * self.low:g} to {100 * self.high:g} %"
         return f">= {100 * self.low:g} %" if self.low else f"<= {100 * self.high:g} %"
 
-    def row(self, hits: Iterable[bool]) -> dict[str, Any]:
+    def row(self, hits: Sequence[bool]) -> dict[str, Any]:
         """Return the count of hits with its interval, and whether that lies inside the goal, outside or on both sides."""
-        hits = list(hits)
         right, cases = sum(hits), len(hits)
         low, high = interval(right, cases)
         inside, outside = self.low <= low and high <= self.high, high < self.low or low > self.high
@@ -79,6 +81,11 @@ def interval(right: int, cases: int) -> tuple[float, float]:
 
 def goal_rows(scores: Sequence[Scored]) -> list[dict[str, Any]]:
     """Return the project's goals that are shares of cases, each beside what was reached."""
+    return [goal.row(hits) for goal, hits in goals(scores)]
+
+
+def goals(scores: Sequence[Scored]) -> list[tuple[Goal, list[bool]]]:
+    """Return the project's goals that are shares of cases, and for each case that one is about whether it is a hit."""
 
     def of(kind: str, level: str = "") -> list[Scored]:
         return [one for one in scores if one.label.kind == kind and level in ("", one.label.level)]
@@ -100,7 +107,7 @@ def goal_rows(scores: Sequence[Scored]) -> list[dict[str, Any]]:
         (Goal("parameters inside their 95 % intervals", 0.90, 0.98), stated),
         (Goal(f"campaigns within {TIME:g} s", 1.0), (o.found.seconds <= TIME for o in scores if math.isfinite(o.found.seconds))),
     ]
-    return [goal.row(hits) for goal, hits in rows]
+    return [(goal, list(hits)) for goal, hits in rows]
 
 
 def number_rows(scores: Sequence[Scored]) -> list[dict[str, Any]]:
@@ -153,6 +160,14 @@ def confusion_rows(scores: Sequence[Scored]) -> list[dict[str, Any]]:
     counts = Counter((one.label.kind, one.label.name, one.found.name) for one in scores)
     order = sorted(counts, key=lambda key: (_place(KINDS, key[0]), key[1], -counts[key], key[2]))
     return [{"kind": kind, "true": true, "found": found, "cases": counts[kind, true, found]} for kind, true, found in order]
+
+
+def confusion_lines(scores: Sequence[Scored]) -> list[dict[str, Any]]:
+    """Return the same with one row for each true cause."""
+    lines: dict[tuple[str, str], list[str]] = {}
+    for row in confusion_rows(scores):
+        lines.setdefault((row["kind"], row["true"]), []).append(f"{row['found']} {row['cases']}")
+    return [{"kind": kind, "true": true, "found": ", ".join(found)} for (kind, true), found in lines.items()]
 
 
 def case_rows(scores: Sequence[Scored]) -> list[dict[str, Any]]:
@@ -223,37 +238,45 @@ def write_sheet(scores: Sequence[Scored], out: Path) -> list[Path]:
     -------
     list of Path
     """
-    tables: dict[str, tuple[str, Callable[[Sequence[Scored]], list[dict[str, Any]]], bool]] = {
-        "score_goals": ("goals", goal_rows, True),
-        "score_numbers": ("medians", number_rows, True),
-        "score_levels": ("verdicts by kind and level", level_rows, True),
-        "score_confusion": ("true and found", confusion_rows, True),
-        "score_cases": ("campaigns", case_rows, False),
-        "score_parameters": ("parameters", parameter_rows, False),
+    shown = {"goals": goal_rows, "medians": number_rows, "verdicts by kind and level": level_rows, "true and found": confusion_lines}
+    text = "\n".join([*(table_text(title, _known(rows(scores))) for title, rows in shown.items()), "", *sentences(scores), ""])
+    print(text)
+    with whole(out / "score_sheet.txt") as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    written = [out / "score_sheet.txt"]
+    tables: dict[str, Callable[[Sequence[Scored]], list[dict[str, Any]]]] = {
+        "goals": goal_rows,
+        "numbers": number_rows,
+        "levels": level_rows,
+        "confusion": confusion_rows,
+        "cases": case_rows,
+        "parameters": parameter_rows,
     }
-    written = []
-    for name, (title, rows_of, shown) in tables.items():
-        rows = [{key: "" if value != value else value for key, value in row.items()} for row in rows_of(scores)]
-        if not rows:
-            continue
-        if shown:
-            print_table(title, rows)
-        write_rows(out / f"{name}.csv", rows, sentences(scores))
-        written.append(out / f"{name}.csv")
-    print()
-    for sentence in sentences(scores):
-        print(sentence)
+    for name, rows in tables.items():
+        if known := _known(rows(scores)):
+            written.append(out / f"score_{name}.csv")
+            write_rows(written[-1], known, sentences(scores))
     return [*written, draw(scores, out / "score_sheet.png")]
+
+
+def _known(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Leave cells empty that hold no number."""
+    return [{key: "" if isinstance(value, float) and math.isnan(value) else value for key, value in row.items()} for row in rows]
+
+
+def _column(found: str) -> str:
+    """Return the column of the picture for what was found."""
+    return "ambiguous" if found.startswith("ambiguous") else "several names" if " + " in found else found
 
 
 @style.styled
 def draw(scores: Sequence[Scored], path: Path) -> Path:
     """Draw the goals with their intervals, and what was found for what was true."""
-    rows = [row for row in goal_rows(scores) if row["cases"]]
-    found = [row for row in confusion_rows(scores) if row["kind"] != "double"]
-    true, names = (sorted({row[key] for row in found}) for key in ("true", "found"))
+    found = [{**row, "found": _column(row["found"])} for row in confusion_rows(scores) if row["kind"] != "double"]
+    true = list(dict.fromkeys(row["true"] for row in found))
+    names = sorted({row["found"] for row in found}, key=lambda name: (_place(LAST, name)[0] < len(LAST), _place((*true, *LAST), name)))
     figure, axes = style.make_figure((13.0, max(4.5, 0.24 * max(len(true), len(names)) + 2.5)), columns=2)
-    _draw_goals(axes[0], rows)
+    _draw_goals(axes[0], [(goal, hits) for goal, hits in goals(scores) if hits])
     table = np.zeros((len(true), len(names)))
     for row in found:
         table[true.index(row["true"]), names.index(row["found"])] += row["cases"]
@@ -261,18 +284,24 @@ def draw(scores: Sequence[Scored], path: Path) -> Path:
     for (i, j), count in np.ndenumerate(table):
         if count:
             axes[1].text(j, i, f"{count:g}", ha="center", va="center", color="white" if count > 0.5 * table[i].sum() else style.INK)
+    axes[1].grid(False)
     axes[1].set_xticks(range(len(names)), names, rotation=90)
     axes[1].set_yticks(range(len(true)), true)
     axes[1].set_title("true (rows) and found; two effects at once are left out")
     return style.save(figure, path)
 
 
-def _draw_goals(axes: Any, rows: Sequence[dict[str, Any]]) -> None:
+def _draw_goals(axes: Any, wanted: Sequence[tuple[Goal, list[bool]]]) -> None:
     colours = {"met": style.GREEN, "missed": style.VERMILION, "open": style.ORANGE}
-    for height, row in enumerate(reversed(rows)):
+    names = []
+    for height, (goal, hits) in enumerate(reversed(wanted)):
+        row = goal.row(hits)
         axes.plot([row["low_percent"], row["high_percent"]], [height, height], color=colours[row["shown"]], linewidth=2.5)
         axes.plot(row["percent"], height, "o", color=style.INK, markersize=4)
-    axes.set_yticks(range(len(rows)), [f"{r['goal']}\n{r['right']} of {r['cases']}, wanted {r['wanted']}" for r in reversed(rows)])
+        for bound in {goal.low, goal.high if goal.high < 1.0 else goal.low} - {0.0}:
+            axes.plot([100.0 * bound] * 2, [height - 0.25, height + 0.25], color=style.INK, linewidth=1.0)
+        names.append(f"{row['goal']}\n{row['right']} of {row['cases']}, wanted {row['wanted']}")
+    axes.set_yticks(range(len(names)), names)
     axes.set_xlim(-2.0, 102.0)
     axes.set_xlabel("per cent")
-    axes.set_title("95 % intervals: green meets its goal, orange is open, red misses it")
+    axes.set_title("95 % intervals: green meets its goal (upright), orange is open, red misses it")
