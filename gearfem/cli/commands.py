@@ -157,6 +157,8 @@ def stiffness(model: str, out: str, overrides: tuple[str, ...], steps: int, torq
     Where the flanks of the model are not parallel over the face width: the face load factor K_Hbeta too, and
     load_over_width.png at the first torque. Solid elements of both gears then take up to a minute.
 
+    Where teeth differ: hunting.csv and hunting.png too, over all tooth combinations at the first torque.
+
     \b
     Units: N/um over the whole face width, um along the line of action, MPa, rad, N m.
     Example:

@@ -60,6 +60,7 @@ from gearfem.report import (
     write_vtu,
     write_width_picture,
 )
+from gearfem.report.hunting import combinations, write_hunting
 
 MEMBERS: tuple[Member, ...] = ("pinion", "wheel")
 # A longer stretch is another question than a look at the engagement.
@@ -182,6 +183,11 @@ def stiffness(setup: Setup, out: Path, steps: int, torques: Sequence[float], pro
     files = [write_stiffness(results, out, engagements, widths), *write_stiffness_pictures(setup, engagements, carpet, out)]
     if widths:
         files.append(write_width_picture(setup, engagements[0].pinion_torque, widths[0], out))
+    if (pitches := combinations(results.mesh)) > 1:
+        progress("all tooth combinations", 0, 1)
+        files += write_hunting(setup, results.mesh, wanted[0], out)
+        progress("all tooth combinations", 1, 1)
+        lines.append(f"teeth differ: the same ones meet again after {pitches} pitches, over which hunting.csv runs at {wanted[0]:g} N m")
     return Done(list(dict.fromkeys(lines)), files)
 
 
