@@ -232,6 +232,17 @@ def test_an_interrupted_study_keeps_its_verdicts_and_goes_on(tmp_path: Path, mon
     assert [row["outcome"] for row in rows] == ["right", "failed", "failed"]
 
 
+def test_campaigns_come_from_the_generator_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    hidden = study()
+    folder = tmp_path / "campaigns_7_none"
+    hidden.generate(folder, 7, "none", 1, 2, lambda label, done, total: None)
+    (case,) = hidden.cases_of(folder, tmp_path, range(2, 3))
+    assert len(hidden.read_campaign(case.campaign).records) > 4
+    assert study("scoring").read_label(case.label).verdicts == ("no_discrepancy",)
+    monkeypatch.setattr(hidden.subprocess, "Popen", lambda *words, **more: pytest.fail("generated again"))
+    hidden.generate(folder, 7, "none", 1, 2, lambda label, done, total: None)
+
+
 def test_the_sheet_counts_by_goal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     clear = [verdict("explained", RELIEF)] * 6 + [verdict("partly_explained", MIRROR), verdict("explained", WEAR), verdict("unexplained")]
     said = [(SINGLE, one) for one in clear]
