@@ -185,7 +185,9 @@ def test_interrupting_the_real_program_leaves_no_part_of_a_file(tmp_path):
         time.sleep(1.5)
         process.send_signal(signal.SIGINT)
         _, complaint = process.communicate(timeout=60)
-    assert (process.returncode, complaint) == (130, "interrupted\n")
+    assert complaint == "interrupted\n"
+    # Stopped within exec, as while dataclasses are imported, `python -m` ends by the signal itself; to a shell both are 130.
+    assert process.returncode in (130, -signal.SIGINT)
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
