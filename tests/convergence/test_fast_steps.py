@@ -90,7 +90,7 @@ def reference_factors(system, cycle):
     return max(values.max() for values in factors), min(values.min() for values in factors)
 
 
-@pytest.mark.parametrize("speed", [20.0, 53.0, 160.0, 400.0])
+@pytest.mark.parametrize("speed", [pytest.param(20.0, marks=pytest.mark.slow), 53.0, 160.0, 400.0])
 def test_default_steps_keep_kw_within_a_ten_thousandth(rubbing, speed):
     """Largest and least Kw, which may lie at a reversal of friction, wheel torque and multipliers, against BDF at 1e-9."""
     mesh, drive = rubbing
