@@ -16,6 +16,8 @@ from gearfem.effects.effect import MEMBERS, Effect, Parameter
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
+# Further strengths at which an effect of all teeth is tried, as multiples of the typical one.
+DEEP, WIDE = (4.0, 16.0), (0.4, 2.5)
 # Rounds in which the strength of a candidate is improved.
 REFINED = 2
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
@@ -211,7 +213,12 @@ def _shapes(effect: Effect, setup: Setup) -> list[Effect]:
     """Return the effect with all combinations of the parameters that say where and how it acts."""
     fields = [field for field, known in effect.parameters().items() if known.neutral is None]
     options = [tries(known, setup, effect) for known in (effect.parameters()[field] for field in fields)]
-    return [dataclasses.replace(effect, **dict(zip(fields, values, strict=True))) for values in itertools.product(*options)]
+    shapes = [dataclasses.replace(effect, **dict(zip(fields, values, strict=True))) for values in itertools.product(*options)]
+    if effect.repeats == "one tooth" or not effect.strengths():
+        return shapes
+    # Far from typical sizes the response is not that of the typical one, scaled.
+    sizes = DEEP if effect.stage == "flank" else WIDE
+    return shapes + [_bounded(effect.scaled(size, setup), setup) for size in sizes]
 
 
 def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
