@@ -212,6 +212,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     plus a cost for each parameter and for the choice of a tooth.
     """
     search = _Search(problem, alone)
+    _prepare_width(problem, kinds, progress)
     first = rank(problem, alone, kinds, progress)
     _singles(search, alone, first, progress)
     _pairs(search, alone, first, progress)
@@ -228,6 +229,18 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         search.again()
     progress("rivals again", 1, 1)
     return _verdict(search, first)
+
+
+def _prepare_width(problem: Problem, kinds: Mapping[str, type[Effect]], progress: Progress) -> None:
+    """Compute the solid elements behind leads once, before the work is shared out: a child's memory ends with it."""
+    for kind in kinds.values():
+        if kind.stage == "flank":
+            system = problem.bench((kind.example(problem.campaign.setup),)).system
+            if not system.flanks.lead.uniform:
+                progress("solid elements of a lead", 0, 1)
+                assert system.mesh.lead is not None
+                progress("solid elements of a lead", 1, 1)
+                return
 
 
 def _taken(best: Fit) -> set[str]:
