@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import math
 from collections.abc import Callable
@@ -101,7 +102,7 @@ def _size(size: Size, setup: Setup, member: Member) -> float:
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
-class Effect(Record):
+class Effect(Record, abc.ABC):
     """A physical effect. Subclasses are dataclasses whose fields are `gear`, `tooth` (both only where needed) and parameters.
 
     Attributes
@@ -130,9 +131,9 @@ class Effect(Record):
     sentence: ClassVar[str]
     source: ClassVar[str]
 
+    @abc.abstractmethod
     def act(self, record: Any, setup: Setup) -> Any:
         """Return the record of its stage with this effect in it, of the same type."""
-        raise NotImplementedError
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import functools
 import math
@@ -22,7 +23,7 @@ from gearfem.sensing.system import System
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
-class Request(Record):
+class Request(Record, abc.ABC):
     """A series that an instrument is asked for.
 
     Parameters
@@ -49,9 +50,9 @@ class Request(Record):
     tooth: int = 0
     file: str = ""
 
+    @abc.abstractmethod
     def of(self, system: System) -> Array:
         """Return the values over the axis [SI], shape (n,)."""
-        raise NotImplementedError
 
 
 class StaticError(Request):

@@ -16,7 +16,7 @@ def study():
     return importlib.import_module("contact_fe")
 
 
-def check(rows):
+def assert_meets_goals(rows):
     for row in rows:
         te, share = GOALS[row["place"].startswith("corner")]
         print(f"{row['gears']}, {row['place']}: transmission error {row['te_difference_pct']:+.3f} %, shares {row['share_difference']:.4f}")
@@ -28,13 +28,13 @@ def check(rows):
 
 @pytest.mark.slow
 def test_coal_combine(study, tmp_path):
-    check(study.main(["--small", "--out", str(tmp_path)]))
+    assert_meets_goals(study.main(["--small", "--out", str(tmp_path)]))
     assert (tmp_path / "contact_fe.csv").exists()
 
 
 @pytest.mark.slow
 def test_unshifted_pair(study, small_pair):
-    check(study.compare(small_pair, study.SMALL, every=3))
+    assert_meets_goals(study.compare(small_pair, study.SMALL, every=3))
 
 
 def test_pressures_do_not_pull_and_gaps_do_not_close(study):

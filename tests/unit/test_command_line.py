@@ -45,7 +45,7 @@ def rows(path: Path) -> list[dict[str, str]]:
 # ---- failing ----------------------------------------------------------------------------------------
 
 
-def refused(result, *words: str) -> None:
+def assert_refused(result, *words: str) -> None:
     """Check that a command ended by one line on stderr with status 2 and computed nothing."""
     assert result.exit_code == 2
     assert result.stdout == ""
@@ -59,7 +59,7 @@ def refused(result, *words: str) -> None:
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_refused_model_ends_in_one_line_and_leaves_nothing(tmp_path, command):
     out = tmp_path / "out"
-    refused(call(command, MODEL, "--out", out, "--set", "material.poissons_ratio=0.5"), MODEL, "material.poissons_ratio", "0.5")
+    assert_refused(call(command, MODEL, "--out", out, "--set", "material.poissons_ratio=0.5"), MODEL, "material.poissons_ratio", "0.5")
     assert not out.exists()
 
 
@@ -77,36 +77,36 @@ def test_a_refused_model_ends_in_one_line_and_leaves_nothing(tmp_path, command):
     ],
 )
 def test_overrides_are_checked_as_the_file_is(tmp_path, override, words):
-    refused(call("run", MODEL, "--out", tmp_path, "--set", override), words)
+    assert_refused(call("run", MODEL, "--out", tmp_path, "--set", override), words)
 
 
 def test_a_missing_model_and_a_broken_one_are_one_line(tmp_path):
-    refused(call("run", tmp_path / "none.toml", "--out", tmp_path), "none.toml", "no such file")
+    assert_refused(call("run", tmp_path / "none.toml", "--out", tmp_path), "none.toml", "no such file")
     broken = tmp_path / "broken.toml"
     broken.write_text("[pair\n")
-    refused(call("run", broken, "--out", tmp_path), "broken.toml", "line 1", "TOML")
+    assert_refused(call("run", broken, "--out", tmp_path), "broken.toml", "line 1", "TOML")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_an_out_that_cannot_be_a_folder_is_refused(tmp_path, command):
     taken = tmp_path / "taken"
     taken.write_text("mine")
-    refused(call(command, MODEL, "--out", taken), "--out", "taken")
-    refused(call(command, MODEL, "--out", taken / "below"), "--out", "taken")
+    assert_refused(call(command, MODEL, "--out", taken), "--out", "taken")
+    assert_refused(call(command, MODEL, "--out", taken / "below"), "--out", "taken")
     assert taken.read_text() == "mine"
 
 
 def test_options_out_of_range_are_refused(tmp_path):
-    refused(call("stiffness", MODEL, "--out", tmp_path, "--steps", 199), "--steps", "199", "an integer from 200 to 100000")
-    refused(call("compliance", MODEL, "--out", tmp_path, "--support", "hub"), "--support", "'hub'", "bore or root or root_chord")
-    refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "nan"), "--torque", "above 0")
-    refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "-5"), "--torque", "above 0")
-    refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 1), "--dim", "2, the section")
-    refused(call("mesh", MODEL, "--out", tmp_path / "a.ply", "--dim", 3), "--out", ".vtu")
-    refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 3, "--resolution", 0.4), "resolution")
-    refused(call("mesh", MODEL, "--out", tmp_path / "a.stl"), "--out", ".vtu")
-    refused(call("mesh", MODEL, "--out", tmp_path, "--resolution", 0.5), "resolution")
-    refused(call("mesh", MODEL, "--out", tmp_path, "--resolution", "1e4"), "--resolution", "10000.0", "from 0.5 to 20")
+    assert_refused(call("stiffness", MODEL, "--out", tmp_path, "--steps", 199), "--steps", "199", "an integer from 200 to 100000")
+    assert_refused(call("compliance", MODEL, "--out", tmp_path, "--support", "hub"), "--support", "'hub'", "bore or root or root_chord")
+    assert_refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "nan"), "--torque", "above 0")
+    assert_refused(call("stiffness", MODEL, "--out", tmp_path, "--torque", "-5"), "--torque", "above 0")
+    assert_refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 1), "--dim", "2, the section")
+    assert_refused(call("mesh", MODEL, "--out", tmp_path / "a.ply", "--dim", 3), "--out", ".vtu")
+    assert_refused(call("mesh", MODEL, "--out", tmp_path, "--dim", 3, "--resolution", 0.4), "resolution")
+    assert_refused(call("mesh", MODEL, "--out", tmp_path / "a.stl"), "--out", ".vtu")
+    assert_refused(call("mesh", MODEL, "--out", tmp_path, "--resolution", 0.5), "resolution")
+    assert_refused(call("mesh", MODEL, "--out", tmp_path, "--resolution", "1e4"), "--resolution", "10000.0", "from 0.5 to 20")
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_options_out_of_range_are_refused(tmp_path):
     ],
 )
 def test_wrong_words_are_one_line_with_option_found_and_allowed(given, found):
-    refused(call(*given), *found, "; allowed: ")
+    assert_refused(call(*given), *found, "; allowed: ")
 
 
 def test_no_words_at_all_show_the_help():
@@ -134,10 +134,10 @@ def test_no_words_at_all_show_the_help():
 @pytest.mark.parametrize("command", COMMANDS)
 def test_an_out_without_a_name_or_that_cannot_be_made_is_refused(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
-    refused(call(command, MODEL, "--out", ""), "--out")
+    assert_refused(call(command, MODEL, "--out", ""), "--out")
     # A file system that takes no folders from anyone, whatever its permissions say.
     if Path("/proc/self").exists():
-        refused(call(command, MODEL, "--out", "/proc/gearfem"), "--out", "/proc/gearfem")
+        assert_refused(call(command, MODEL, "--out", "/proc/gearfem"), "--out", "/proc/gearfem")
     assert not list(tmp_path.iterdir())
 
 
@@ -296,7 +296,7 @@ def test_solid_teeth_lie_between_the_plane_states(tmp_path):
 
 def test_solids_and_meshes_from_outside_exclude_each_other(tmp_path):
     mesh = MESHES / "coal_combine_pinion_2d.vtu"
-    refused(call("compliance", MODEL, "--out", tmp_path, "--solid", "--mesh", mesh, "--gear", "pinion"), "--solid", "--mesh")
+    assert_refused(call("compliance", MODEL, "--out", tmp_path, "--solid", "--mesh", mesh, "--gear", "pinion"), "--solid", "--mesh")
 
 
 @pytest.mark.slow
@@ -359,7 +359,7 @@ def test_solids_come_back_with_their_elements_and_sets(tmp_path, ending, kind, s
 def test_a_plane_reader_refuses_a_solid_in_one_line(tmp_path):
     path = tmp_path / "tooth.vtu"
     assert call("mesh", MODEL, "--dim", 3, "--gear", "pinion", "--support", "root", "--resolution", 0.5, "--out", path).exit_code == 0
-    refused(call("compliance", MODEL, "--mesh", path, "--gear", "pinion", "--out", tmp_path), "tooth.vtu", "a plane mesh")
+    assert_refused(call("compliance", MODEL, "--mesh", path, "--gear", "pinion", "--out", tmp_path), "tooth.vtu", "a plane mesh")
     with pytest.raises(InputError, match="hexahedron"):
         read_mesh(MESHES / "coal_combine_pinion_2d.vtu", 3)
 
