@@ -256,8 +256,11 @@ def sliced_pair(flanks: Flanks, placement: Placement, compliance: Compliance, sl
 
 def _spread(gear: Gear, face_width: float, slices: FaceSlices, u: Array) -> Array:
     """Return the influence of slices of one gear at load positions u, shape (len(u), n, n)."""
-    nodes = np.linspace(float(u.min()), float(u.max()), slices.positions)
-    matrices = [_influence(slices.method, Outline(gear=gear), float(node), face_width, slices.count) for node in nodes]
+    outline = Outline(gear=gear)
+    # The whole flank of the gear as designed, whatever is loaded of it: solid elements are needed once.
+    first, last = outline.parameter([outline.flank_start, outline.flank_end])
+    nodes = np.linspace(first, last, slices.positions)
+    matrices = [_influence(slices.method, outline, float(node), face_width, slices.count) for node in nodes]
     weights = np.array([[np.prod([(x - b) / (a - b) for b in nodes if b != a]) for a in nodes] for x in u])
     spread: Array = np.einsum("rk,kij->rij", weights, np.array(matrices))
     return spread
