@@ -50,6 +50,7 @@ from gearfem.report import (
     write_kinematics,
     write_kinematics_pictures,
     write_measured_flanks,
+    write_measured_picture,
     write_motion_pictures,
     write_pictures,
     write_render,
@@ -200,6 +201,8 @@ def kinematics(setup: Setup, out: Path, steps: int, pitches: tuple[float, float]
     angles = np.linspace(first, last, steps + 1) * setup.pair.pinion.pitch_angle
     results = run_chain(setup, "engagement", angles=angles, progress=progress)
     files = [write_kinematics(results, out), *write_kinematics_pictures(results, out)]
+    if setup.flanks_given:
+        files += [write_measured_flanks(results, out), write_measured_picture(results, out)]
     if gif:
         progress("animation", 0, 1)
         files.append(write_animation(results, out))

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from gearfem.report.animation import write_animation
     from gearfem.report.body_table import write_body
     from gearfem.report.diagnosis_html import write_diagnosis_report
-    from gearfem.report.flank_plots import write_measured_flanks
+    from gearfem.report.flank_plots import write_measured_flanks, write_measured_picture
     from gearfem.report.html import write_report
     from gearfem.report.kinematics_plots import write_kinematics_pictures
     from gearfem.report.motion_plots import write_motion_pictures, write_sweep_pictures
@@ -33,6 +33,7 @@ __all__ = [
     "write_kinematics",
     "write_kinematics_pictures",
     "write_measured_flanks",
+    "write_measured_picture",
     "write_motion_pictures",
     "write_pictures",
     "write_render",
@@ -51,7 +52,7 @@ _HOMES = {
     "animation": ("write_animation",),
     "kinematics_plots": ("write_kinematics_pictures",),
     "diagnosis_html": ("write_diagnosis_report",),
-    "flank_plots": ("write_measured_flanks",),
+    "flank_plots": ("write_measured_flanks", "write_measured_picture"),
     "html": ("write_report",),
     "motion_plots": ("write_motion_pictures", "write_sweep_pictures"),
     "plots": ("write_pictures",),

@@ -87,6 +87,28 @@ def _gear_ratio(values: Values) -> str:
     return f"Under load the ratio runs from {low:.4f} to {high:.4f} while pairs hand over; its mean over the wheel's angle is {mean:.5f}."
 
 
+def _outlines(values: Values) -> str:
+    return (
+        "The working side of a tooth of each gear, without and with the metal that is missing from it, enlarged where a legend says so "
+        "(as Fig. 6 of Wojnarowski & Onishchenko 2003)."
+    )
+
+
+def _line_of_action(values: Values) -> str:
+    return (
+        "The way of the contact point of every pair that carries, in the fixed frame and beside the straight line of unworn involutes, "
+        f"from which it departs by up to {values['away_from_line_um']:.3g} µm (as Fig. 7)."
+    )
+
+
+def _gear_ratios(values: Values) -> str:
+    low, high, mean = (values[f"gear_ratio_{name}"] for name in ("min", "max", "mean"))
+    return (
+        "Four ratios (as Fig. 8): of one pair by its common normal, of the rigid gears, under load, and of the forces. Under load it "
+        f"runs from {low:.4f} to {high:.4f}; its mean over the wheel's angle is {mean:.5f}."
+    )
+
+
 def _velocities(values: Values) -> str:
     return (
         "Speed of the contact point along both flanks at the nominal pinion speed, and the difference, the sliding: "
@@ -133,6 +155,9 @@ CAPTIONS: dict[str, tuple[str, Callable[[Values], str]]] = {
     "mesh_stiffness": ("Mesh stiffness", _stiffness),
     "load_share": ("Load sharing", _load_share),
     "transmission_error": ("Loaded transmission error", _transmission_error),
+    "flank_outlines": ("Worn flanks", _outlines),
+    "line_of_action": ("Line of action", _line_of_action),
+    "gear_ratios": ("Gear ratios", _gear_ratios),
     "gear_ratio": ("Gear ratio", _gear_ratio),
     "velocities": ("Rolling and sliding", _velocities),
     "rigid_motion": ("Rigid model", _rigid_motion),

@@ -127,3 +127,8 @@ def write_measured_flanks(results: Results, out: Path) -> Path:
     path = Path(out) / "measured_flanks.csv"
     write_csv(path, columns, (identity(results.setup), *(flank.sentence for flank in flanks)))
     return path
+
+
+def write_measured_picture(results: Results, out: Path) -> Path:
+    """Write measured_flanks.png, `plot_measured_flanks`, and return the file."""
+    return style.save(plot_measured_flanks(results), Path(out) / "measured_flanks.png")

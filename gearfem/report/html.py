@@ -11,9 +11,10 @@ import jinja2
 from markupsafe import Markup
 
 from gearfem.foundation.files import whole
-from gearfem.foundation.units import RPM
+from gearfem.foundation.units import RPM, UM
 from gearfem.pipeline import Results
 from gearfem.report.captions import CAPTIONS
+from gearfem.report.kinematics_plots import away_from_line, has_worn_flanks
 from gearfem.report.plots import write_pictures
 from gearfem.report.render import Rendering
 from gearfem.report.summary import summarise
@@ -32,7 +33,7 @@ FILES = {
     "tooth_wheel.vtu": "displacement and stress of the loaded wheel tooth, for ParaView",
 }
 
-WIDE = ("compliance", "dynamic_factor")
+WIDE = ("compliance", "flank_outlines", "line_of_action", "dynamic_factor")
 SPECIFIC, PAPER = "N/(mm·µm)", "Wojnarowski & Onishchenko 2003 report 0.9 to 1.1 for their gears"
 WHY_NOT_PAPER = (
     "The paper reports that Castigliano's beam stays within 0.9 to 1.1 of its finite elements; that is a finding about its gears, no bound "
@@ -177,7 +178,8 @@ def _remarks(results: Results, values: Mapping[str, Any]) -> list[str]:
 def _for_captions(results: Results) -> dict[str, Any]:
     """Return numbers of the captions that are no results of their own."""
     share = {} if results.engagement is None else {"largest_load_share": float(results.engagement.load_share.max())}
-    return {"friction_coefficient": results.setup.operation.friction_coefficient, **share}
+    away = {"away_from_line_um": away_from_line(results) / UM} if has_worn_flanks(results) else {}
+    return {"friction_coefficient": results.setup.operation.friction_coefficient, **share, **away}
 
 
 def _load(values: Mapping[str, Any]) -> str:

@@ -11,12 +11,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gearfem.definition.setup import Member
+from gearfem.definition.setup import GearPair, Member
 from gearfem.engagement.record import Engagement
 from gearfem.flank import Outline
 from gearfem.foundation import Array
 from gearfem.foundation.units import MM, MPA, UM
 from gearfem.pipeline import Results
+from gearfem.placement import Placement
 from gearfem.report import style
 from gearfem.report.summary import need
 
@@ -39,6 +40,29 @@ def enlargement(depth: float, module: float) -> float:
     wanted = max(SHOWN * module / depth, 1.0)
     power = 10.0 ** math.floor(math.log10(wanted) + 1e-12)
     return power * max(step for step in STEPS if step * power <= wanted * (1.0 + 1e-12))
+
+
+def has_worn_flanks(results: Results) -> bool:
+    """Whether metal is missing from any flank of an engagement, so that its kinematics are more than an involute's."""
+    flanks = results.flanks
+    teeth = [outline for member in MEMBERS for outline in (flanks.of(member), *flanks.odd(member).values())]
+    return results.engagement is not None and any(outline.worn for outline in teeth)
+
+
+def away_from_line(results: Results) -> float:
+    """Return how far the contact point of a pair that carries leaves the straight line of action, at most [m]."""
+    engagement, mesh = need(results.engagement, "engagement"), need(results.mesh, "mesh")
+    place = _along_line(results.setup.pair, mesh.placement, engagement.contacts.point)
+    return float(np.abs(place[..., 1])[engagement.force > 0.0].max())
+
+
+def _along_line(pair: GearPair, placement: Placement, point: Array) -> Array:
+    """Return places along the straight line of action from the pitch point, and across it towards the wheel's axis [m]."""
+    angle = placement.working_pressure_angle
+    along = np.array([math.sin(angle), math.cos(angle)])
+    across = np.array([along[1], -along[0]])
+    places: Array = (point - np.array([placement.centre_distance / (1.0 + pair.ratio), 0.0])) @ np.stack([along, across], axis=-1)
+    return places
 
 
 @style.styled
@@ -108,7 +132,6 @@ def plot_line_of_action(results: Results) -> Figure:
     radius = mesh.placement.centre_distance / (1.0 + pair.ratio)
     contacts = engagement.contacts
     along = np.array([math.sin(mesh.placement.working_pressure_angle), math.cos(mesh.placement.working_pressure_angle)])
-    across = np.array([along[1], -along[0]])
     reach = max(pair.approach_length, pair.recess_length) * 1.1
     ends = np.array([radius, 0.0]) + np.array([[-reach], [reach]]) * along
     left.plot(*(ends / MM).T, color=style.GREY, linewidth=0.9, linestyle="--", label="straight line of action")
@@ -120,7 +143,7 @@ def plot_line_of_action(results: Results) -> Figure:
             if not rows.any():
                 continue
             point = contacts.point[rows, column]
-            place = (point - np.array([radius, 0.0])) @ np.stack([along, across], axis=-1)
+            place = _along_line(pair, mesh.placement, point)
             left.plot(*(point / MM).T, ".", color=colour, markersize=2.5, label=label)
             right.plot(place[:, 0] / MM, place[:, 1] / UM, ".", color=colour, markersize=2.5)
             label = "_"

@@ -17,6 +17,7 @@ from gearfem.report import style
 from gearfem.report.drawing import plot_pair
 from gearfem.report.effect_plots import has_effects, plot_effects
 from gearfem.report.flank_plots import plot_measured_flanks
+from gearfem.report.kinematics_plots import has_worn_flanks, plot_four_ratios, plot_line_of_action, plot_outlines
 from gearfem.report.summary import iso_stiffness, need
 from gearfem.report.tables import compliance_curves, share_of
 
@@ -302,7 +303,10 @@ PICTURES: dict[str, tuple[Callable[[Results], Figure], Callable[[Results], bool]
     "mesh_stiffness": (plot_stiffness, lambda results: results.engagement is not None),
     "load_share": (plot_load_share, lambda results: results.engagement is not None),
     "transmission_error": (plot_transmission_error, lambda results: results.engagement is not None),
-    "gear_ratio": (plot_gear_ratio, lambda results: results.engagement is not None),
+    "flank_outlines": (plot_outlines, has_worn_flanks),
+    "line_of_action": (plot_line_of_action, has_worn_flanks),
+    "gear_ratios": (plot_four_ratios, has_worn_flanks),
+    "gear_ratio": (plot_gear_ratio, lambda results: results.engagement is not None and not has_worn_flanks(results)),
     "velocities": (plot_velocities, lambda results: results.engagement is not None),
     "rigid_motion": (plot_rigid_motion, lambda results: results.rigid is not None),
     "elastic_motion": (plot_elastic_motion, lambda results: results.elastic is not None),

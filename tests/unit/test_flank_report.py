@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import warnings
 
 import numpy as np
@@ -11,6 +12,8 @@ import pytest
 from gearfem import make_setup, run
 from gearfem.flank import fitted_flanks
 from gearfem.report.flank_plots import plot_measured_flanks, write_measured_flanks
+from gearfem.report.html import write_report
+from gearfem.report.kinematics_plots import away_from_line, has_worn_flanks
 
 
 @pytest.fixture(scope="module")
@@ -61,3 +64,14 @@ def test_the_picture_shows_fit_residuals_and_outlier(results):
     texts = [text.get_text() for axis in figure.axes for text in axis.texts]
     assert texts == ["13"] * 4
     assert "standard deviation" in figure.axes[2].get_title(loc="left")
+
+
+def test_worn_flanks_bring_their_kinematics_into_the_report(results, tmp_path):
+    engaged = run(results.setup, until="engagement")
+    page = write_report(engaged, tmp_path).read_text()
+    assert all(title in page for title in ("Worn flanks", "Line of action", "Gear ratios"))
+    assert all((tmp_path / f"{name}.png").exists() for name in ("flank_outlines", "line_of_action", "gear_ratios"))
+    # 30 to 140 um of metal missing bend the line of action by more than their share along the normal.
+    assert 10e-6 < away_from_line(engaged) < 2e-3
+    sound = dataclasses.replace(results.setup, flanks_given=())
+    assert not has_worn_flanks(run(sound, until="engagement"))

@@ -42,7 +42,8 @@ def test_wear_writes_a_model_that_runs(tmp_path):
     assert result.exit_code == 0, result.output
     with Image.open(tmp_path / "k" / "engagement.gif") as film:
         assert film.n_frames > 10
-    assert (tmp_path / "k" / "flank_outlines.png").stat().st_size > 1000
+    for name in ("flank_outlines.png", "measured_flanks.png", "measured_flanks.csv"):
+        assert (tmp_path / "k" / name).stat().st_size > 1000
 
 
 @pytest.mark.parametrize(
