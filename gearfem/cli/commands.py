@@ -155,7 +155,7 @@ def stiffness(model: str, out: str, overrides: tuple[str, ...], steps: int, torq
     as much again as the largest.
 
     Where the flanks of the model are not parallel over the face width: the face load factor K_Hbeta too, and
-    load_over_width.png at the first torque. Solid elements of both gears then take up to a minute.
+    load_over_width.png at the first torque. Solid elements of both gears then take some seconds.
 
     Where teeth differ: hunting.csv and hunting.png too, over all tooth combinations at the first torque.
 

@@ -20,7 +20,8 @@ from gearfem.foundation import Array, SolveError
 
 Values: TypeAlias = NDArray[Any]
 # Error left by the conjugate gradients, relative in the norm of the preconditioner: far below that of any mesh.
-TOLERANCE, MOST_STEPS = 1e-10, 2000
+TOLERANCE, SPARING, MOST_STEPS = 1e-10, 1e-4, 2000
+ROUNDING = 1e-15
 # Numbers in one block of right-hand sides: a dozen such blocks take half a gigabyte.
 BLOCK = 4_000_000
 
@@ -94,14 +95,21 @@ class Prism:
         ]
         plane, across = reduction.plane, reduction.across
         left, right = plane.conj().T.tocsr(), across.conj().T.tocsr()
-        self.plane = (left @ sparse.block_array(blocks, format="csr") @ plane).tocsr()
-        self.plane_mass = (mu * left @ sparse.block_diag([m.mass, m.mass], format="csr") @ plane).tocsr()
-        self.across = (mu * right @ (m.xx + m.yy) @ across).tocsr()
-        self.across_mass = ((lam + 2.0 * mu) * right @ m.mass @ across).tocsr()
-        self.dilation = (lam * left @ sparse.vstack([m.x, m.y], format="csr") @ across).tocsr()
-        self.shear = (mu * left @ sparse.vstack([m.x.T, m.y.T], format="csr") @ across).tocsr()
+        self.plane = self._own(left @ sparse.block_array(blocks, format="csr") @ plane)
+        self.plane_mass = self._own(mu * left @ sparse.block_diag([m.mass, m.mass], format="csr") @ plane)
+        self.across = self._own(mu * right @ (m.xx + m.yy) @ across)
+        self.across_mass = self._own((lam + 2.0 * mu) * right @ m.mass @ across)
+        self.dilation = self._own(lam * left @ sparse.vstack([m.x, m.y], format="csr") @ across)
+        self.shear = self._own(mu * left @ sparse.vstack([m.x.T, m.y.T], format="csr") @ across)
 
-    def solve(self, load: Array, along: Array) -> Iterator[tuple[slice, Array, Array]]:
+    def _own(self, matrix: Any) -> Any:
+        """Return a matrix of the unknowns as it is kept, without what mirror images leave of each other by rounding."""
+        kept = (matrix.real if self._reduction.real else matrix).tocsr()
+        kept.data[np.abs(kept.data) < ROUNDING * np.abs(kept.data).max(initial=0.0)] = 0.0
+        kept.eliminate_zeros()
+        return kept
+
+    def solve(self, load: Array, along: Array, tolerance: float = TOLERANCE) -> Iterator[tuple[slice, Array, Array]]:
         """Yield the displacements under line loads, some columns at a time.
 
         Parameters
@@ -110,6 +118,8 @@ class Prism:
             Nodal forces in the section, x components first [N/m per N/m].
         along : ndarray, shape (m, k)
             Nodal forces along the width of each column [m].
+        tolerance : float
+            Error left by the conjugate gradients, relative in the norm of the preconditioner.
 
         Yields
         ------
@@ -136,10 +146,18 @@ class Prism:
             plane = np.zeros((load.shape[0], len(along), columns.stop - start))
             across = np.zeros((load.shape[0] // 2, len(along), columns.stop - start))
             for half, part in halves:
-                u, w = half.solve(forces[:, None, columns] * (half.plane_modes.vectors.T @ part[:, columns]))
+                u, w = self._solve(half, forces[:, None, columns] * (half.plane_modes.vectors.T @ part[:, columns]), tolerance)
                 plane += self._expand(self._reduction.plane, half.plane_modes.vectors, u)
                 across += self._expand(self._reduction.across, half.across_modes.vectors, w)
             yield columns, plane, across
+
+    def _solve(self, half: _Half, force: Values, tolerance: float) -> tuple[Values, Values]:
+        """Return displacements in modes; where matrices are real, under the real and the imaginary parts of the forces side by side."""
+        if not (self._reduction.real and np.iscomplexobj(force)):
+            return half.solve(force, tolerance)
+        count = force.shape[2]
+        u, w = half.solve(np.concatenate([force.real, force.imag], axis=2), tolerance)
+        return u[..., :count] + 1j * u[..., count:], w[..., :count] + 1j * w[..., count:]
 
     def _expand(self, reduction: Any, vectors: Array, unknowns: Values) -> Array:
         places = np.matmul(vectors, unknowns)
@@ -172,7 +190,7 @@ class _Half:
     def _precondition(self, plane: Values, across: Values) -> tuple[Values, Values]:
         return _solved(self._plane_factors, plane), _solved(self._across_factors, across)
 
-    def solve(self, force: Values) -> tuple[Values, Values]:
+    def solve(self, force: Values, tolerance: float) -> tuple[Values, Values]:
         """Return displacements in the section and along the width, in modes, by conjugate gradients; all columns together."""
         rest = force, np.zeros((self._prism.across.shape[0], len(self.across_modes.squares), force.shape[2]), dtype=force.dtype)
         result = np.zeros_like(rest[0]), np.zeros_like(rest[1])
@@ -187,7 +205,7 @@ class _Half:
             size, before = _dot(rest, ahead), size
             if not np.isfinite(size).all():
                 break
-            if (size <= TOLERANCE**2 * first).all():
+            if (size <= tolerance**2 * first).all():
                 return result
             turn = _ratio(size, before)
             step = ahead[0] + turn * step[0], ahead[1] + turn * step[1]
@@ -227,6 +245,7 @@ def solve_prism(
     load: Array,
     along: Array,
     keep: Callable[[slice, Array, Array], Array],
+    sparing: bool = False,
 ) -> Array:
     """Return what is kept of the solution, summed over the harmonics of a ring if the section is a sector of one.
 
@@ -240,14 +259,17 @@ def solve_prism(
         As of `Prism.solve`.
     keep : callable
         Takes the columns and their displacements and returns something linear in them, columns last.
+    sparing : bool
+        Whether some harmonics of a ring stand for all, see `reductions.chosen`, and the conjugate gradients stop at 1e-4, which leaves
+        1e-5 of what varies over the width.
 
     Returns
     -------
     ndarray, shape (..., k)
     """
-    nodes = section.mesh.doflocs.shape[1]
-    reductions = harmonics(section, teeth) if len(section.upper) else iter([alone(nodes, section.held)])
+    nodes, tolerance = section.mesh.doflocs.shape[1], SPARING if sparing else TOLERANCE
+    reductions = harmonics(section, teeth, sparing) if len(section.upper) else iter([alone(nodes, section.held)])
     return sum(  # type: ignore[return-value]
-        np.concatenate([keep(*part) for part in Prism(matrices, width, material, reduction).solve(load, along)], axis=-1)
+        np.concatenate([keep(*part) for part in Prism(matrices, width, material, reduction).solve(load, along, tolerance)], axis=-1)
         for reduction in reductions
     )

@@ -260,16 +260,16 @@ def _spread(gear: Gear, face_width: float, slices: FaceSlices, u: Array) -> Arra
     # The whole flank of the gear as designed, whatever is loaded of it: solid elements are needed once.
     first, last = outline.parameter([outline.flank_start, outline.flank_end])
     nodes = np.linspace(first, last, slices.positions)
-    matrices = [_influence(slices.method, outline, float(node), face_width, slices.count) for node in nodes]
+    matrices = _influence(slices.method, outline, nodes, face_width, slices.count)
     weights = np.array([[np.prod([(x - b) / (a - b) for b in nodes if b != a]) for a in nodes] for x in u])
-    spread: Array = np.einsum("rk,kij->rij", weights, np.array(matrices))
+    spread: Array = np.einsum("rk,kij->rij", weights, matrices)
     return spread
 
 
 @remembered
-def _influence(method: SolidElements, outline: Outline, u: float, face_width: float, count: int) -> Array:
-    """Return the influence of slices of a whole gear."""
-    return method.influence(outline, u, face_width, count).matrix
+def _influence(method: SolidElements, outline: Outline, u: Array, face_width: float, count: int) -> Array:
+    """Return the influence of slices of a whole gear at load positions u, shape (len(u), count, count)."""
+    return np.array([one.matrix for one in method.influence(outline, u, face_width, count)])
 
 
 def with_ends(line_load: Array) -> Array:

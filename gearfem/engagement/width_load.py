@@ -64,7 +64,7 @@ def load_over_width(mesh: Mesh, engagement: Engagement, progress: Progress = qui
     engagement : Engagement
         At any angles.
     progress : Progress
-        Told before and after the solid elements, which take up to a minute where they are not remembered.
+        Told before and after the solid elements, which take some seconds where they are not remembered.
 
     Returns
     -------

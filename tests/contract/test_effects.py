@@ -41,11 +41,8 @@ MODEL = {
 OUTSIDE = Path(__file__).parents[2] / "studies" / "effects" / "burr.py"
 KNOWN = catalogue(effects_from(OUTSIDE))
 EFFECTS = [(name, member) for name, kind in KNOWN.items() for member in ("pinion", "wheel") if member == "pinion" or kind.of_one_gear()]
-# The width's share of a contact takes half a minute of solid elements, once for each pair.
-LEADS = ("crowning", "end_relief", "lead_misalignment")
-SLOW_LEADS = [pytest.param(*one, marks=pytest.mark.slow) if one[0] in LEADS else one for one in EFFECTS]
 # One gear of each in turn, where the other costs time and says the same.
-EACH = [one for place, one in enumerate(SLOW_LEADS) if place % 2 or not KNOWN[EFFECTS[place][0]].of_one_gear()]
+EACH = [one for place, one in enumerate(EFFECTS) if place % 2 or not KNOWN[EFFECTS[place][0]].of_one_gear()]
 STEP = 0.05
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 241)[:-1] + 0.003
 SLOW = {"pinion_torque": 120.0}

@@ -47,7 +47,7 @@ def test_partial_loads_add_up_and_mirror(outline: Outline, support: Root | RootC
 @pytest.mark.parametrize("slices", [2, 5])
 def test_influence_is_mirrored_nearly_reciprocal_and_sums_to_the_profile(outline: Outline, slices: int) -> None:
     method = solid(Root())
-    result = method.influence(outline, 2.8, WIDTH, slices)
+    (result,) = method.influence(outline, [2.8], WIDTH, slices)
     assert result.matrix.shape == (slices, slices)
     assert result.matrix == pytest.approx(result.matrix[::-1, ::-1], rel=1e-6, abs=1e-9 * result.matrix.max())
     assert (np.argmax(result.matrix, axis=0) == np.arange(slices)).all()
@@ -106,7 +106,7 @@ def test_bad_input_is_refused(outline: Outline) -> None:
         lambda: method.curve(outline, 2.8, float("nan")),
         lambda: method.profile(outline, 2.8, WIDTH, (0.0, WIDTH)),
         lambda: method.profile(outline, 2.8, WIDTH, (1e-3, 1e-3)),
-        lambda: method.influence(outline, 2.8, WIDTH, 1),
+        lambda: method.influence(outline, [2.8], WIDTH, 1),
         lambda: method.profile(outline, 1.5, WIDTH),
         lambda: PaperMesh().curve(outline, -1.0),
     ):
