@@ -65,7 +65,7 @@ def _standing(wheel: Outline, distance: float, axis1: Array, x: Array, y: Array)
     return radius, axis2
 
 
-def find_candidates(pinion: Outline, wheel: Outline, distance: float, axis1: Array) -> Candidates:
+def find_candidates(pinion: Outline, wheel: Outline, distance: float, axis1: Array, within: float = 0.0) -> Candidates:
     """Return all parts of the pinion's outline in which the first touch may lie.
 
     Parameters
@@ -76,6 +76,8 @@ def find_candidates(pinion: Outline, wheel: Outline, distance: float, axis1: Arr
         Centre distance [m].
     axis1 : ndarray, shape (n,)
         Polar angles of the pinion's tooth [rad].
+    within : float
+        Turn of the wheel from the first touch within which further ones are wanted too [rad].
 
     Returns
     -------
@@ -101,6 +103,7 @@ def find_candidates(pinion: Outline, wheel: Outline, distance: float, axis1: Arr
     _, fine2 = _standing(wheel, distance, axis1[rows], np.interp(fine, dense.u, dense.x), np.interp(fine, dense.u, dense.y))
     lowest = axis2.min(axis=1)
     np.minimum.at(lowest, rows, fine2.min(axis=1))
+    lowest = lowest + within
     wide, _ = _minima(u, axis2, np.arange(len(axis1)), lowest)
     narrow, _ = _minima(fine, fine2, rows, lowest)
     tangent = _joined(wide, narrow)

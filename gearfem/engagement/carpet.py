@@ -59,7 +59,7 @@ def error_carpet(mesh: Mesh, pinion_angle: Array, torque: float, progress: Progr
     SolveError
         If any angle does not converge.
     """
-    contacts = mesh.contacts(np.asarray(pinion_angle, float))
+    contacts = mesh.touching(mesh.contacts(np.asarray(pinion_angle, float)))
     system = mesh.system(contacts)
     unloaded = system.gap.min(axis=1)
     operating = share_torque(system, mesh.law, torque).transmission_error - unloaded
@@ -70,7 +70,7 @@ def error_carpet(mesh: Mesh, pinion_angle: Array, torque: float, progress: Progr
         progress("carpet of the transmission error", number - 1, TORQUES - 1)
         shared = share_torque(system, mesh.law, float(one))
         errors.append(shared.transmission_error)
-        pairs.append((shared.force > 0.0).sum(axis=1))
+        pairs.append(contacts.count_pairs(shared.force > 0.0).astype(float))
     progress("carpet of the transmission error", TORQUES - 1, TORQUES - 1)
     return Carpet(
         pinion_angle=contacts.pinion_angle,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,7 +14,7 @@ from numpy.typing import NDArray
 from gearfem.definition.setup import Member
 from gearfem.engagement.corners import FOLLOWED, Touch, bounded, nearest_edge, pinion_corner, wheel_corner, within
 from gearfem.engagement.record import Contacts
-from gearfem.engagement.search import search_contacts
+from gearfem.engagement.search import search_contacts, search_second
 from gearfem.flank import Flanks, Outline
 from gearfem.foundation import Array
 from gearfem.placement import Placement, runout_gap
@@ -20,6 +23,8 @@ from gearfem.placement import Placement, runout_gap
 REACH = 0.2
 # Angles that differ by less are one contact to the search: 1e-14 m and less on the line of action.
 ONE_ANGLE = 1e-13
+# Lag in modules behind the first touch up to which a pair's second one is followed: as far as `engage` lets teeth move.
+SECOND = 0.05
 
 
 def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pairs: tuple[int, ...]) -> Contacts:
@@ -53,6 +58,46 @@ def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pai
     pinion's turns its pair back by e1/r_b1, and both add to the gap. Runout is added to the gaps of all pairs in first
     order (`runout_gap`).
     """
+    return _found(flanks, placement, pinion_angle, pairs, _touches)
+
+
+def find_second_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pairs: tuple[int, ...]) -> Contacts:
+    """Return where worn pairs touch next, beside their first touch; arguments and errors as `find_contacts`.
+
+    Returns
+    -------
+    Contacts
+        Of those of the pairs that touch twice at any of the angles, perhaps of none.
+
+    Notes
+    -----
+    The two sides of a hollow come into contact one after the other, and carry together while the load presses the teeth by more than
+    lies between them. Unworn flanks have one contact beside which tip rounds lie out of reach.
+    """
+    found = _found(flanks, placement, pinion_angle, pairs, _second_touches)
+    twice = np.flatnonzero(found.reach.any(axis=0))
+    fields = {name: values if name == "pinion_angle" else values[:, twice] for name, values in _arrays(found).items()}
+    return Contacts(**fields, pairs=tuple(pairs[column] for column in twice))
+
+
+def _arrays(contacts: Contacts) -> dict[str, Any]:
+    return {field.name: getattr(contacts, field.name) for field in dataclasses.fields(contacts) if field.name != "pairs"}
+
+
+def join(first: Contacts, second: Contacts) -> Contacts:
+    """Return contacts side by side; pairs that touch twice stand there twice."""
+    if not second.pairs:
+        return first
+    one, other = _arrays(first), _arrays(second)
+    both = {name: np.concatenate([one[name], other[name]], axis=1) for name in one if name != "pinion_angle"}
+    return Contacts(**both, pinion_angle=first.pinion_angle, pairs=first.pairs + second.pairs)
+
+
+Touches = Callable[[Flanks, Placement, Array], tuple[Touch, Array]]
+
+
+def _found(flanks: Flanks, placement: Placement, pinion_angle: Array, pairs: tuple[int, ...], touches: Touches) -> Contacts:
+    """Return the contacts of pairs that a function finds for pairs of the same two outlines."""
     pinion_angle, gear1, gear2 = np.asarray(pinion_angle, float), placement.pair.pinion, placement.pair.wheel
     late1 = placement.pinion_late[np.asarray(pairs) % gear1.teeth]
     late2 = placement.wheel_late[np.asarray(pairs) % gear2.teeth]
@@ -63,10 +108,10 @@ def find_contacts(flanks: Flanks, placement: Placement, pinion_angle: Array, pai
         alike.setdefault((id(teeth.pinion), id(teeth.wheel)), (teeth, []))[1].append(column)
     found, columns = [], []
     for teeth, those in alike.values():
-        found.append(_touches(teeth, placement, angle[:, those]))
+        found.append(touches(teeth, placement, angle[:, those]))
         columns += those
     order = np.argsort(columns)
-    parts: list[Any] = [np.concatenate(values, axis=1)[:, order] for values in zip(*(touches for touches, _ in found), strict=True)]
+    parts: list[Any] = [np.concatenate(values, axis=1)[:, order] for values in zip(*(touch for touch, _ in found), strict=True)]
     touch, gap = Touch(*parts), np.concatenate([gaps for _, gaps in found], axis=1)[:, order]
     return _contacts(placement, pinion_angle, pairs, touch, gap + (late1 + late2) + runout_gap(placement, pinion_angle)[0][:, None])
 
@@ -98,7 +143,21 @@ def _touches(flanks: Flanks, placement: Placement, angle: Array) -> tuple[Touch,
     return chosen._replace(reach=chosen.reach & (gap <= limit)), gap
 
 
-def _searched(flanks: Flanks, placement: Placement, angle: Array, path: Touch) -> Touch:
+def _second_touches(flanks: Flanks, placement: Placement, angle: Array) -> tuple[Touch, Array]:
+    """Return the second touch of pairs of the same two outlines, and their gaps."""
+    path, module, base2 = _on_path(flanks, placement, angle), placement.pair.wheel.module, placement.pair.wheel.base_radius
+    if not (flanks.pinion.worn or flanks.wheel.worn):
+        return path._replace(reach=np.zeros(angle.shape, bool)), np.full(angle.shape, module)
+    touch = _searched(flanks, placement, angle, path, functools.partial(search_second, within=SECOND * module / base2))
+    lag = np.where(touch.reach, (angle / placement.pair.ratio - touch.wheel_angle) * base2, module)
+    near = lag <= REACH * module + flanks.pinion.deepest + flanks.wheel.deepest
+    return touch._replace(reach=touch.reach & near), np.where(near, lag, module)
+
+
+Search = Callable[[Outline, Outline, Placement, Array], Touch]
+
+
+def _searched(flanks: Flanks, placement: Placement, angle: Array, path: Touch, search: Search = search_contacts) -> Touch:
     """Return the touch of worn teeth; where there is none, `path` fills the row."""
     pinion, wheel, pitch = flanks.pinion, flanks.wheel, placement.pair.pinion.pitch_angle
     slope = math.tan(placement.working_pressure_angle)
@@ -107,7 +166,7 @@ def _searched(flanks: Flanks, placement: Placement, angle: Array, path: Touch) -
     near = (angle > first) & (angle < last)
     _, once, again = np.unique(np.round(angle[near] / ONE_ANGLE), return_index=True, return_inverse=True)
     here = angle[near][once]
-    found = search_contacts(pinion, wheel, placement, here)
+    found = search(pinion, wheel, placement, here)
     # Angles that count as one keep their own distance from the wheel's angle.
     aside = (angle[near] - here[again]) / placement.pair.ratio
     touched = found.reach[again]

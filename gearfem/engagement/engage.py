@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 
 import numpy as np
@@ -10,10 +11,10 @@ import numpy as np
 from gearfem.compliance.record import Compliance
 from gearfem.contact import EdgedLine, Line
 from gearfem.contact.peak import largest_pressure
-from gearfem.engagement.contacts import REACH, find_contacts
+from gearfem.engagement.contacts import REACH, find_contacts, find_second_contacts, join
 from gearfem.engagement.record import Contacts, Engagement, MeshForce
 from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
-from gearfem.engagement.teeth import read_compliance
+from gearfem.engagement.teeth import PairCompliance, read_compliance
 from gearfem.engagement.width import FaceSlices, LeadTable, lead_table
 from gearfem.flank import Flanks
 from gearfem.foundation import Array, InputError, Record
@@ -65,8 +66,12 @@ class Mesh(Record):
         return tuple(range(math.floor(pitches.min()) - reach, math.ceil(pitches.max()) + reach + 1))
 
     def contacts(self, pinion_angle: Array) -> Contacts:
-        """Return the contacts of all pairs in reach at angles [rad], shape (n,)."""
+        """Return the first contacts of all pairs in reach at angles [rad], shape (n,)."""
         return find_contacts(self.flanks, self.placement, pinion_angle, self.pairs(pinion_angle))
+
+    def touching(self, contacts: Contacts) -> Contacts:
+        """Return first contacts and, beside them, the second ones of pairs that touch on both sides of a hollow."""
+        return join(contacts, find_second_contacts(self.flanks, self.placement, contacts.pinion_angle, contacts.pairs))
 
     def system(self, contacts: Contacts) -> PairSystem:
         """Return the pairs at these contacts, ready to be loaded."""
@@ -77,13 +82,24 @@ class Mesh(Record):
         supports = self.placement.support * pair.face_width * lever[:, :, None] * lever[:, None, :]
         lead = self.lead
         return PairSystem(
-            linear=read.linear + supports,
+            linear=read.linear + supports + self._beside(contacts, read),
             lever=lever,
             arm=contacts.arm1 * pair.face_width,
             gap=self.gap(contacts),
             line=Line(contacts.flank_radius, read.depth1, read.depth2, contacts.edge, contacts.edge_radius),
             lead=None if lead is None else lead.at(self.position(contacts)),
         )
+
+    def _beside(self, contacts: Contacts, read: PairCompliance) -> Array:
+        """Return what contact gives between the two touches of a pair [m per N/m], shape (n, p, p); 0 between pairs."""
+        beside = np.zeros_like(read.linear)
+        for j, k in itertools.permutations(range(len(contacts.pairs)), 2):
+            both = contacts.reach[:, j] & contacts.reach[:, k]
+            if contacts.pairs[j] == contacts.pairs[k] and both.any():
+                distance = np.hypot(*(contacts.point[both, j] - contacts.point[both, k]).T)
+                depths = (0.5 * (depth[both, j] + depth[both, k]) for depth in (read.depth1, read.depth2))
+                beside[both, j, k] = self.law.beside(distance, *depths)
+        return beside
 
     def gap(self, contacts: Contacts) -> Array:
         """Return the lag of the wheel at which each pair touches, the lead of the flanks included [m], shape (n, p)."""
@@ -182,7 +198,7 @@ def largest_torque(mesh: Mesh, torque: float, error: float) -> float:
 
 
 def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> tuple[Contacts, Sharing]:
-    contacts = find_contacts(mesh.flanks, mesh.placement, angle, pairs)
+    contacts = mesh.touching(find_contacts(mesh.flanks, mesh.placement, angle, pairs))
     return contacts, share_torque(mesh.system(contacts), mesh.law, torque)
 
 
@@ -237,7 +253,7 @@ def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) ->
     pair = mesh.placement.pair
     pitch = pair.pinion.pitch_angle
     angle = (np.arange(steps) + 0.5) / steps * pitch
-    contacts = mesh.contacts(angle)
+    contacts = mesh.touching(mesh.contacts(angle))
     system = mesh.system(contacts)
     operating = share_torque(system, mesh.law, torque)
     unloaded = system.gap.min(axis=1)

@@ -17,7 +17,8 @@ class Contacts(Record):
 
     The fixed frame has its origin O1 at the pinion's axis and x towards the wheel's; the pinion turns from
     x to y. At angle 0 pair 0 touches at the pitch point. Pair k is pinion tooth k with wheel tooth k, and
-    comes one pitch after pair k - 1. All arrays are (n angles, p pairs) unless stated.
+    comes one pitch after pair k - 1. All arrays are (n angles, p pairs) unless stated. A worn pair that may touch on both sides of a
+    hollow stands there twice: first touches come first, in the order of the pairs, then the second ones.
 
     Parameters
     ----------
@@ -73,6 +74,18 @@ class Contacts(Record):
     rolling_velocity2: Array
     sliding_velocity: Array
 
+    def count_pairs(self, touching: NDArray[Any]) -> NDArray[np.intp]:
+        """Return how many pairs touch at each angle, from which of the contacts do; a pair that touches twice counts once."""
+        count: NDArray[np.intp] = np.sum([touching[:, np.equal(self.pairs, pair)].any(axis=1) for pair in set(self.pairs)], axis=0)
+        return count
+
+    @property
+    def first(self) -> Contacts:
+        """The first touch of each pair alone."""
+        count = len(set(self.pairs))
+        parts = {field.name: getattr(self, field.name) for field in dataclasses.fields(self) if field.name not in ("pinion_angle", "pairs")}
+        return dataclasses.replace(self, pairs=self.pairs[:count], **{name: values[:, :count] for name, values in parts.items()})
+
     @property
     def on_flanks(self) -> NDArray[Any]:
         """Whether flanks touch, not a tip round or the edge of an undercut; of unworn teeth the path of contact."""
@@ -116,7 +129,7 @@ class Engagement(Record):
     pinion_torque : float
         Torque on the pinion [N m].
     force : ndarray, shape (n, p)
-        Normal force on each pair over the whole face width [N]; 0 where it does not touch.
+        Normal force on each contact over the whole face width [N]; 0 where it does not touch.
     transmission_error : ndarray, shape (n,)
         Lag of the wheel behind perfect rigid gears, along the line of action [m].
     mesh_stiffness, secant_stiffness : ndarray, shape (n,)
@@ -142,8 +155,13 @@ class Engagement(Record):
     gear_ratio_force: Array
 
     @property
+    def pairs_in_contact(self) -> NDArray[np.intp]:
+        """Number of pairs that carry, shape (n,)."""
+        return self.contacts.count_pairs(self.force > 0.0)
+
+    @property
     def load_share(self) -> Array:
-        """Share of each pair in the sum of the normal forces, shape (n, p)."""
+        """Share of each contact in the sum of the normal forces, shape (n, p)."""
         total: Array = self.force.sum(axis=1, keepdims=True)
         return self.force / total
 

@@ -17,6 +17,8 @@ from gearfem.placement import Placement
 # The equivalent curvature of worn flanks is not taken below this part of that of the involutes.
 FLATTEST = 0.1
 ITERATIONS, SMALLEST_STEP = 100, 1e-12
+# Two touches of one pair are told apart from this distance on, in modules: some half widths of the contact.
+APART = 0.05
 # Normals of the flanks in contact differ by no more [rad]; what exceeds it is a corner.
 PARALLEL = 1e-9
 
@@ -95,6 +97,37 @@ def search_contacts(pinion: Outline, wheel: Outline, placement: Placement, angle
     candidates = find_candidates(pinion, wheel, placement.centre_distance, axis1)
     met = _refined(pinion, wheel, placement, axis1, candidates)
     return _touch(pinion, wheel, placement, angle, *_first(candidates, met))
+
+
+def search_second(pinion: Outline, wheel: Outline, placement: Placement, angle: Array, within: float) -> Touch:
+    """Return where two teeth touch next, beside their first touch: on the other side of a hollow, or on a tip edge.
+
+    Parameters
+    ----------
+    pinion, wheel, placement, angle
+        As for `search_contacts`.
+    within : float
+        Turn of the wheel [rad] after which no touch is wanted.
+
+    Returns
+    -------
+    Touch
+        Of all local minima that are `APART` or farther from the first touch the least; `reach` is false where there is none.
+
+    Raises
+    ------
+    SolveError
+        If a contact point does not converge.
+    """
+    axis1 = angle + placement.pinion_start
+    candidates = find_candidates(pinion, wheel, placement.centre_distance, axis1, within)
+    met = _refined(pinion, wheel, placement, axis1, candidates)
+    found, first = _first(candidates, met)
+    place, least = np.full((angle.size, 2), np.nan), np.full(angle.size, np.nan)
+    place[found.row], least[found.row] = first.point, first.axis2
+    aside = np.hypot(*(met.point - place[candidates.row]).T) >= APART * pinion.gear.module
+    other = aside & (met.axis2 <= least[candidates.row] + within)
+    return _touch(pinion, wheel, placement, angle, *_first(taken(candidates, other), Meeting(*(values[other] for values in met))))
 
 
 # ---- refinement ---------------------------------------------------------------------------------

@@ -25,6 +25,9 @@ class LineLaw(Protocol):
     def compliance(self, force: Array, line: Line, /) -> Array:
         """Return the slope of the approach [m per N/m]."""
 
+    def beside(self, distance: Array, depth1: Array, depth2: Array, /) -> Array:
+        """Return the approach at a distance [m] beside a contact, per load on it [m per N/m]."""
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class PairSystem(Record):

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from gearfem.compliance.record import Compliance, ToothCompliance
+from gearfem.compliance.same_tooth import likeness
 from gearfem.definition.setup import Member
 from gearfem.engagement.record import Contacts
 from gearfem.flank.outline import ROUND
@@ -54,6 +55,9 @@ def read_compliance(compliance: Compliance, contacts: Contacts) -> PairComplianc
 
     Notes
     -----
+    A pair that touches at two places stands in the contacts twice: the deflection of each place under a load on the other is the mean of
+    both, times how alike loads there move the tooth (`likeness`).
+
     The next pinion tooth follows behind the loaded flank (offset -1 in the tables), the next wheel tooth on
     its side (offset +1): the pinion's working flank leads its tooth, the wheel's trails it.
     """
@@ -74,6 +78,10 @@ def _read(compliance: Compliance, member: Member, u: Array, contacts: Contacts, 
             if j == k or not both.any():
                 continue
             offset = sense * (contacts.pairs[j] - contacts.pairs[k])
+            if offset == 0:
+                alike = np.einsum("ai,ij,aj->a", weights[:, j], likeness(own), weights[:, k])
+                linear[:, j, k] = alike * np.sqrt((weights[:, j] @ own.deflection) * (weights[:, k] @ own.deflection))
+                continue
             if offset not in usual.offsets:
                 raise SolveError(f"the compliance tables do not couple teeth {abs(offset)} pitches apart, which touch at one time")
             coupling = _coupling(usual, loaded, offset)

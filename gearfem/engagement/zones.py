@@ -61,6 +61,7 @@ def unloaded_zones(contacts: Contacts, tolerance: float = 1e-12) -> Zones:
     Wojnarowski & Onishchenko (2003), end of section 2: where L_S is small both pairs carry (a zone of two pairs), where
     load does not close it one does. Between two angles the change lies where the two gaps, taken as straight, cross.
     """
+    contacts = contacts.first
     if len(contacts.pairs) < 2:
         raise InputError("pairs", len(contacts.pairs), "two pairs or more: the backlash of a neighbour is asked for")
     order = np.argsort(

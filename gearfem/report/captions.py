@@ -97,7 +97,7 @@ def _outlines(values: Values) -> str:
 def _line_of_action(values: Values) -> str:
     return (
         "The way of the contact point of every pair that carries, in the fixed frame and beside the straight line of unworn involutes, "
-        f"from which it departs by up to {values['away_from_line_um']:.3g} µm (as Fig. 7)."
+        f"from which it departs by up to {values['away_from_line_mm']:.3g} mm (as Fig. 7)."
     )
 
 
@@ -155,10 +155,10 @@ CAPTIONS: dict[str, tuple[str, Callable[[Values], str]]] = {
     "mesh_stiffness": ("Mesh stiffness", _stiffness),
     "load_share": ("Load sharing", _load_share),
     "transmission_error": ("Loaded transmission error", _transmission_error),
-    "flank_outlines": ("Worn flanks", _outlines),
-    "line_of_action": ("Line of action", _line_of_action),
     "gear_ratios": ("Gear ratios", _gear_ratios),
     "gear_ratio": ("Gear ratio", _gear_ratio),
+    "flank_outlines": ("Worn flanks", _outlines),
+    "line_of_action": ("Line of action", _line_of_action),
     "velocities": ("Rolling and sliding", _velocities),
     "rigid_motion": ("Rigid model", _rigid_motion),
     "elastic_motion": ("Elastic model", _elastic_motion),

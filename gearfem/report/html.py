@@ -11,13 +11,14 @@ import jinja2
 from markupsafe import Markup
 
 from gearfem.foundation.files import whole
-from gearfem.foundation.units import RPM, UM
+from gearfem.foundation.units import MM, RPM
 from gearfem.pipeline import Results
 from gearfem.report.captions import CAPTIONS
 from gearfem.report.kinematics_plots import away_from_line, has_worn_flanks
 from gearfem.report.plots import write_pictures
 from gearfem.report.render import Rendering
 from gearfem.report.summary import summarise
+from gearfem.report.tables import share_of
 
 FILES = {
     "summary.json": "the numbers of this page and more",
@@ -33,7 +34,7 @@ FILES = {
     "tooth_wheel.vtu": "displacement and stress of the loaded wheel tooth, for ParaView",
 }
 
-WIDE = ("compliance", "flank_outlines", "line_of_action", "dynamic_factor")
+WIDE = ("measured_flanks", "compliance", "flank_outlines", "line_of_action", "dynamic_factor")
 SPECIFIC, PAPER = "N/(mm·µm)", "Wojnarowski & Onishchenko 2003 report 0.9 to 1.1 for their gears"
 WHY_NOT_PAPER = (
     "The paper reports that Castigliano's beam stays within 0.9 to 1.1 of its finite elements; that is a finding about its gears, no bound "
@@ -177,8 +178,10 @@ def _remarks(results: Results, values: Mapping[str, Any]) -> list[str]:
 
 def _for_captions(results: Results) -> dict[str, Any]:
     """Return numbers of the captions that are no results of their own."""
-    share = {} if results.engagement is None else {"largest_load_share": float(results.engagement.load_share.max())}
-    away = {"away_from_line_um": away_from_line(results) / UM} if has_worn_flanks(results) else {}
+    engagement = results.engagement
+    pairs = () if engagement is None else set(engagement.contacts.pairs)
+    share = {"largest_load_share": max(float(share_of(engagement, pair).max()) for pair in pairs)} if engagement is not None else {}
+    away = {"away_from_line_mm": away_from_line(results) / MM} if has_worn_flanks(results) else {}
     return {"friction_coefficient": results.setup.operation.friction_coefficient, **share, **away}
 
 

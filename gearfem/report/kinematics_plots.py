@@ -136,7 +136,7 @@ def plot_line_of_action(results: Results) -> Figure:
     ends = np.array([radius, 0.0]) + np.array([[-reach], [reach]]) * along
     left.plot(*(ends / MM).T, color=style.GREY, linewidth=0.9, linestyle="--", label="straight line of action")
     left.plot(radius / MM, 0.0, "o", color="white", markeredgecolor=style.INK, markersize=5, label="pitch point")
-    several = (engagement.force > 0.0).sum(axis=1) > 1
+    several = engagement.pairs_in_contact > 1
     for pairs_carry, colour, label in ((False, style.BLUE, "one pair carries"), (True, style.VERMILION, "two pairs or more")):
         for column in range(len(contacts.pairs)):
             rows = (engagement.force[:, column] > 0.0) & (several == pairs_carry)

@@ -122,7 +122,7 @@ def plot_load_share(results: Results) -> Figure:
     engagement = need(results.engagement, "engagement")
     figure, (axis,) = _over_angle(results, "share of the normal force")
     x = engagement.contacts.pinion_angle / results.setup.pair.pinion.pitch_angle
-    carrying = [pair for pair, force in zip(engagement.contacts.pairs, engagement.force.T, strict=True) if force.any()]
+    carrying = sorted({pair for pair, force in zip(engagement.contacts.pairs, engagement.force.T, strict=True) if force.any()})
     styles = zip((style.GREEN, style.BLUE, style.VERMILION, style.PURPLE, style.ORANGE), ("--", "-", "-.", ":", "--"), strict=True)
     for pair, (colour, line) in zip(carrying, styles, strict=False):
         axis.plot(x, share_of(engagement, pair), color=colour, linestyle=line, label=f"pair {pair:+d}" if pair else "pair 0")

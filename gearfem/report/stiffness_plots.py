@@ -67,7 +67,8 @@ def plot_zones(setup: Setup, engagements: Sequence[Engagement]) -> Figure:
 def _bars(axis: Axes, engagement: Engagement, x: Array) -> None:
     """Draw one bar for each pair that carries: approach, recess, and tip edges."""
     contacts, half = engagement.contacts, 0.5 * float(x[1] - x[0])
-    carrying = [number for number, force in enumerate(engagement.force.T) if force.any()]
+    loaded_columns = [number for number, force in enumerate(engagement.force.T) if force.any()]
+    carrying = sorted({contacts.pairs[number] for number in loaded_columns})
     kinds = {
         ("approach", ""): (style.BLUE, 0.85),
         ("approach", " on a tip edge"): (style.BLUE, 0.4),
@@ -76,13 +77,14 @@ def _bars(axis: Axes, engagement: Engagement, x: Array) -> None:
     }
     for name, (colour, strength) in kinds.items():
         axis.broken_barh([], (0.0, 0.0), facecolor=colour, alpha=strength, linewidth=0, label="".join(name))
-    for row, number in enumerate(carrying):
+    for number in loaded_columns:
+        row = carrying.index(contacts.pairs[number])
         loaded, on_path = engagement.force[:, number] > 0.0, contacts.on_flanks[:, number]
         for (side, edge), (colour, strength) in kinds.items():
             part = loaded & ((x < contacts.pairs[number]) == (side == "approach")) & (on_path == (not edge))
             spans = [(float(x[run[0]]) - half, float(x[run[-1]] - x[run[0]]) + 2.0 * half) for run in _runs(part)]
             axis.broken_barh(spans, (row - 0.32, 0.64), facecolor=colour, alpha=strength, linewidth=0)
-    axis.set_yticks(range(len(carrying)), [f"{contacts.pairs[number]:+d}" if contacts.pairs[number] else "0" for number in carrying])
+    axis.set_yticks(range(len(carrying)), [f"{pair:+d}" if pair else "0" for pair in carrying])
     axis.set_ylim(-0.6, len(carrying) - 0.4)
     axis.grid(False, axis="y")
 

@@ -120,7 +120,7 @@ def shade_zones(axes: Axes, engagement: Engagement, pitch: float, labels: bool =
         Whether to write "1 pair", "2 pairs" above.
     """
     x = engagement.contacts.pinion_angle / pitch
-    count = (engagement.force > 0.0).sum(axis=1)
+    count = engagement.pairs_in_contact
     step = np.flatnonzero(np.diff(count))
     edges = np.concatenate([x[:1], 0.5 * (x[step] + x[step + 1]), x[-1:]])
     numbers = count[np.concatenate([[0], step + 1])]

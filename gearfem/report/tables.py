@@ -127,7 +127,7 @@ def write_stiffness(results: Results, out: Path, engagements: Sequence[Engagemen
         "mesh_stiffness_N_per_um": _stack(several, lambda one: one.mesh_stiffness),
         "secant_stiffness_N_per_um": _stack(several, lambda one: one.secant_stiffness),
         "transmission_error_um": _stack(several, lambda one: one.transmission_error),
-        "pairs_in_contact": _stack(several, lambda one: (one.force > 0.0).sum(axis=1)),
+        "pairs_in_contact": _stack(several, lambda one: one.pairs_in_contact),
     }
     for pair in _loaded_pairs(several):
         columns[f"load_share_{_pair_name(pair)}"] = _stack(several, lambda one, pair=pair: share_of(one, pair))
@@ -154,19 +154,21 @@ def _pair_name(pair: int) -> str:
 
 
 def share_of(engagement: Engagement, pair: int) -> Array:
-    """Return the load share of one pair over the pinion angle; arguments as `of_pair`."""
-    return of_pair(engagement, engagement.load_share, pair)
+    """Return the load share of one pair over the pinion angle, of all its contacts together; arguments as `of_pair`."""
+    own = np.equal(engagement.contacts.pairs, pair)
+    share: Array = engagement.load_share[:, own].sum(axis=1)
+    return share
 
 
 def of_pair(engagement: Engagement, values: Array, pair: int) -> Array:
-    """Return the values of one pair over the pinion angle, zero for a pair that was not followed.
+    """Return the largest values of one pair's contacts over the pinion angle, zero for a pair that was not followed.
 
     Parameters
     ----------
     engagement : Engagement
         One torque.
     values : ndarray, shape (n, p)
-        Of all its pairs.
+        Of all its contacts, not negative.
     pair : int
         Number of the pair as in `Contacts.pairs`.
 
@@ -174,8 +176,8 @@ def of_pair(engagement: Engagement, values: Array, pair: int) -> Array:
     -------
     ndarray, shape (n,)
     """
-    pairs = engagement.contacts.pairs
-    return values[:, pairs.index(pair)] if pair in pairs else np.zeros(len(values))
+    largest: Array = values[:, np.equal(engagement.contacts.pairs, pair)].max(axis=1, initial=0.0)
+    return largest
 
 
 def write_kinematics(results: Results, out: Path) -> Path:
@@ -191,7 +193,8 @@ def write_kinematics(results: Results, out: Path) -> Path:
     Returns
     -------
     Path
-        The file. `gear_ratio_pair` is that of the common normal (Wojnarowski & Onishchenko 2003, eq. 10), which in contact of one
+        The file. A worn pair that touches on both sides of a hollow has two rows.
+        `gear_ratio_pair` is that of the common normal (Wojnarowski & Onishchenko 2003, eq. 10), which in contact of one
         rigid pair is the unloaded one; material velocities are those of the points of both gears in contact (footnote to eq. 12).
     """
     engagement = need(results.engagement, "engagement")
