@@ -14,7 +14,7 @@ from gearfem.foundation import Array
 
 # Pinion points on flank and round; points over the wheel's round; within a candidate; of the table that ranks them.
 ON_FLANK, ON_ROUND, OVER_ROUND, ZOOMED, RANKED = 193, 49, 65, 17, (1025, 257)
-TANGENT, EDGE1, EDGE2 = 0, 1, 2
+TANGENT, EDGE1, EDGE2, SHELF = 0, 1, 2, 3
 
 
 class Candidates(NamedTuple):
@@ -27,7 +27,8 @@ class Candidates(NamedTuple):
     low, high, start : ndarray
         Ends of the part, and where to begin.
     kind : ndarray
-        `TANGENT`, or the number of the gear whose edge touches (`EDGE1`, `EDGE2`).
+        `TANGENT`, or the number of the gear whose edge touches (`EDGE1`, `EDGE2`), or `SHELF`: where the gap rises slowest, without
+        a minimum.
     """
 
     row: NDArray[np.intp]
@@ -112,7 +113,8 @@ def find_candidates(pinion: Outline, wheel: Outline, distance: float, axis1: Arr
     inner, part = _minima(closer, _standing(wheel, distance, axis1[tangent.row], x, y)[1], tangent.row, lowest)
     # A part with one minimum keeps its own ends: those of the table's dense points err beside so small differences.
     several = np.bincount(part, minlength=tangent.row.size)[part] > 1
-    return _joined(tangent, taken(inner, several), *_edges(pinion, wheel, grid.u, radius))
+    shelves = [_shelves(grid, axis2, lowest)] if within > 0.0 else []
+    return _joined(tangent, taken(inner, several), *shelves, *_edges(pinion, wheel, grid.u, radius))
 
 
 def _joined(*parts: Candidates) -> Candidates:
@@ -136,6 +138,20 @@ def _minima(u: Array, axis2: Array, rows: NDArray[np.intp], lowest: Array) -> tu
     row, column = row[keep], column[keep]
     low, high = u[row, np.maximum(column - 1, 0)], u[row, np.minimum(column + 1, u.shape[1] - 1)]
     return Candidates(rows[row], low, high, u[row, column], np.full(row.size, TANGENT)), row
+
+
+def _shelves(grid: Ranked, axis2: Array, lowest: Array) -> Candidates:
+    """Return where the samples on the flank rise or fall slowest, without a minimum beside."""
+    flank = grid.u <= ROUND
+    u, values = grid.u[flank], axis2[:, flank]
+    with np.errstate(invalid="ignore"):
+        slope = np.diff(values, axis=1) / np.hypot(np.diff(grid.x[flank]), np.diff(grid.y[flank]))
+        steep = np.abs(slope)
+        same = (slope[:, 1:-1] * slope[:, :-2] > 0.0) & (slope[:, 1:-1] * slope[:, 2:] > 0.0)
+        least = same & (steep[:, 1:-1] < steep[:, :-2]) & (steep[:, 1:-1] <= steep[:, 2:]) & (values[:, 1:-2] <= lowest[:, None])
+    row, column = np.nonzero(least)
+    low, high = u[column], u[column + 3]
+    return Candidates(row, low, high, 0.5 * (low + high), np.full(row.size, SHELF))
 
 
 def _edges(pinion: Outline, wheel: Outline, u: Array, radius: Array) -> list[Candidates]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gearfem.definition.setup import Member
 from gearfem.engagement.corners import FOLLOWED, Touch, bounded, nearest_edge, pinion_corner, wheel_corner, within
 from gearfem.engagement.record import Contacts
-from gearfem.engagement.search import search_contacts, search_second
+from gearfem.engagement.search import search_beside, search_contacts
 from gearfem.flank import Flanks, Outline
 from gearfem.foundation import Array
 from gearfem.placement import Placement, runout_gap
@@ -67,17 +67,17 @@ def find_second_contacts(flanks: Flanks, placement: Placement, pinion_angle: Arr
     Returns
     -------
     Contacts
-        Of those of the pairs that touch twice at any of the angles, perhaps of none.
+        Second touches, then shelves (`search_beside`), of the pairs that have any at one of the angles, perhaps of none.
 
     Notes
     -----
     The two sides of a hollow come into contact one after the other, and carry together while the load presses the teeth by more than
     lies between them. Unworn flanks have one contact beside which tip rounds lie out of reach.
     """
-    found = _found(flanks, placement, pinion_angle, pairs, _second_touches)
-    twice = np.flatnonzero(found.reach.any(axis=0))
-    fields = {name: values if name == "pinion_angle" else values[:, twice] for name, values in _arrays(found).items()}
-    return Contacts(**fields, pairs=tuple(pairs[column] for column in twice))
+    found = _found(flanks, placement, pinion_angle, pairs, _second_touches, kinds=2)
+    those = np.flatnonzero(found.reach.any(axis=0))
+    fields = {name: values if name == "pinion_angle" else values[:, those] for name, values in _arrays(found).items()}
+    return Contacts(**fields, pairs=tuple(found.pairs[column] for column in those))
 
 
 def _arrays(contacts: Contacts) -> dict[str, Any]:
@@ -96,8 +96,8 @@ def join(first: Contacts, second: Contacts) -> Contacts:
 Touches = Callable[[Flanks, Placement, Array], tuple[Touch, Array]]
 
 
-def _found(flanks: Flanks, placement: Placement, pinion_angle: Array, pairs: tuple[int, ...], touches: Touches) -> Contacts:
-    """Return the contacts of pairs that a function finds for pairs of the same two outlines."""
+def _found(flanks: Flanks, placement: Placement, pinion_angle: Array, pairs: tuple[int, ...], touches: Touches, kinds: int = 1) -> Contacts:
+    """Return the contacts of pairs that a function finds for pairs of the same two outlines, side by side those of several kinds."""
     pinion_angle, gear1, gear2 = np.asarray(pinion_angle, float), placement.pair.pinion, placement.pair.wheel
     late1 = placement.pinion_late[np.asarray(pairs) % gear1.teeth]
     late2 = placement.wheel_late[np.asarray(pairs) % gear2.teeth]
@@ -109,11 +109,12 @@ def _found(flanks: Flanks, placement: Placement, pinion_angle: Array, pairs: tup
     found, columns = [], []
     for teeth, those in alike.values():
         found.append(touches(teeth, placement, angle[:, those]))
-        columns += those
+        columns += [kind * len(pairs) + column for kind in range(kinds) for column in those]
     order = np.argsort(columns)
     parts: list[Any] = [np.concatenate(values, axis=1)[:, order] for values in zip(*(touch for touch, _ in found), strict=True)]
     touch, gap = Touch(*parts), np.concatenate([gaps for _, gaps in found], axis=1)[:, order]
-    return _contacts(placement, pinion_angle, pairs, touch, gap + (late1 + late2) + runout_gap(placement, pinion_angle)[0][:, None])
+    late = np.tile(late1 + late2, kinds)
+    return _contacts(placement, pinion_angle, pairs * kinds, touch, gap + late + runout_gap(placement, pinion_angle)[0][:, None])
 
 
 def _tooth(flanks: Flanks, member: Member, number: int) -> Outline:
@@ -126,9 +127,9 @@ def _touches(flanks: Flanks, placement: Placement, angle: Array) -> tuple[Touch,
     module, base2 = placement.pair.wheel.module, placement.pair.wheel.base_radius
     ideal = angle / placement.pair.ratio
     if flanks.pinion.worn or flanks.wheel.worn:
-        kinds = [_searched(flanks, placement, angle, path)]
+        kinds = _searched(flanks, placement, angle, path, _first_alone)
     elif flanks.pinion.undercut or flanks.wheel.undercut:
-        kinds = [path, _searched(flanks, placement, angle, path)]
+        kinds = [path, *_searched(flanks, placement, angle, path, _first_alone)]
     else:
         kinds = [path, pinion_corner(flanks, placement, angle), wheel_corner(flanks, placement, angle)]
     # The first touch is the smallest lag of the wheel; a pair out of reach gets a lag of one module.
@@ -144,21 +145,24 @@ def _touches(flanks: Flanks, placement: Placement, angle: Array) -> tuple[Touch,
 
 
 def _second_touches(flanks: Flanks, placement: Placement, angle: Array) -> tuple[Touch, Array]:
-    """Return the second touch of pairs of the same two outlines, and their gaps."""
-    path, module, base2 = _on_path(flanks, placement, angle), placement.pair.wheel.module, placement.pair.wheel.base_radius
-    if not (flanks.pinion.worn or flanks.wheel.worn):
-        return path._replace(reach=np.zeros(angle.shape, bool)), np.full(angle.shape, module)
-    touch = _searched(flanks, placement, angle, path, functools.partial(search_second, within=SECOND * module / base2))
-    lag = np.where(touch.reach, (angle / placement.pair.ratio - touch.wheel_angle) * base2, module)
-    near = lag <= REACH * module + flanks.pinion.deepest + flanks.wheel.deepest
-    return touch._replace(reach=touch.reach & near), np.where(near, lag, module)
+    """Return second touches of pairs of the same two outlines and, beside them, their shelves; and the gaps of both."""
+    module, base2 = placement.pair.wheel.module, placement.pair.wheel.base_radius
+    limit = REACH * module + flanks.pinion.deepest + flanks.wheel.deepest
+    path = _on_path(flanks, placement, angle)
+    kinds = [path._replace(reach=np.zeros(angle.shape, bool))] * 2
+    if flanks.pinion.worn or flanks.wheel.worn:
+        kinds = _searched(flanks, placement, angle, path, functools.partial(search_beside, within=SECOND * module / base2))
+    lags = [np.where(kind.reach, (angle / placement.pair.ratio - kind.wheel_angle) * base2, module) for kind in kinds]
+    kinds = [kind._replace(reach=kind.reach & (lag <= limit)) for kind, lag in zip(kinds, lags, strict=True)]
+    parts: list[Any] = [np.concatenate(values, axis=1) for values in zip(*kinds, strict=True)]
+    return Touch(*parts), np.concatenate([np.where(lag <= limit, lag, module) for lag in lags], axis=1)
 
 
-Search = Callable[[Outline, Outline, Placement, Array], Touch]
+Search = Callable[[Outline, Outline, Placement, Array], tuple[Touch, ...]]
 
 
-def _searched(flanks: Flanks, placement: Placement, angle: Array, path: Touch, search: Search = search_contacts) -> Touch:
-    """Return the touch of worn teeth; where there is none, `path` fills the row."""
+def _searched(flanks: Flanks, placement: Placement, angle: Array, path: Touch, search: Search) -> list[Touch]:
+    """Return the touches of worn teeth that a search finds; where there is none, `path` fills the row."""
     pinion, wheel, pitch = flanks.pinion, flanks.wheel, placement.pair.pinion.pitch_angle
     slope = math.tan(placement.working_pressure_angle)
     last = pinion.flank_end / pinion.gear.base_radius - slope + FOLLOWED * pitch
@@ -166,17 +170,23 @@ def _searched(flanks: Flanks, placement: Placement, angle: Array, path: Touch, s
     near = (angle > first) & (angle < last)
     _, once, again = np.unique(np.round(angle[near] / ONE_ANGLE), return_index=True, return_inverse=True)
     here = angle[near][once]
-    found = search(pinion, wheel, placement, here)
     # Angles that count as one keep their own distance from the wheel's angle.
     aside = (angle[near] - here[again]) / placement.pair.ratio
-    touched = found.reach[again]
-    rows = np.zeros(angle.shape, bool)
-    rows[near] = touched
-    filled: dict[str, Any] = {name: np.array(values) for name, values in path._asdict().items()}
-    for name, values in found._asdict().items():
-        filled[name][rows] = values[again][touched]
-    filled["wheel_angle"][rows] += aside[touched]
-    return Touch(**{**filled, "reach": rows})
+    spread = []
+    for found in search(pinion, wheel, placement, here):
+        touched = found.reach[again]
+        rows = np.zeros(angle.shape, bool)
+        rows[near] = touched
+        filled: dict[str, Any] = {name: np.array(values) for name, values in path._asdict().items()}
+        for name, values in found._asdict().items():
+            filled[name][rows] = values[again][touched]
+        filled["wheel_angle"][rows] += aside[touched]
+        spread.append(Touch(**{**filled, "reach": rows}))
+    return spread
+
+
+def _first_alone(pinion: Outline, wheel: Outline, placement: Placement, angle: Array) -> tuple[Touch]:
+    return (search_contacts(pinion, wheel, placement, angle),)
 
 
 def _choose(first: NDArray[np.intp], options: list[Any]) -> Any:

@@ -18,7 +18,7 @@ class Contacts(Record):
     The fixed frame has its origin O1 at the pinion's axis and x towards the wheel's; the pinion turns from
     x to y. At angle 0 pair 0 touches at the pitch point. Pair k is pinion tooth k with wheel tooth k, and
     comes one pitch after pair k - 1. All arrays are (n angles, p pairs) unless stated. A worn pair that may touch on both sides of a
-    hollow stands there twice: first touches come first, in the order of the pairs, then the second ones.
+    hollow stands there several times: first touches come first, in the order of the pairs, then the others.
 
     Parameters
     ----------

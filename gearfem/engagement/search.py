@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gearfem.engagement.candidates import EDGE1, EDGE2, TANGENT, Candidates, find_candidates, taken
+from gearfem.engagement.candidates import EDGE1, EDGE2, SHELF, TANGENT, Candidates, find_candidates, taken
 from gearfem.engagement.corners import Touch, rigid_ratio
 from gearfem.flank import Outline
 from gearfem.flank.outline import FLANK, LOADED_END, ROUND
@@ -21,6 +21,8 @@ ITERATIONS, SMALLEST_STEP = 100, 1e-12
 APART = 0.05
 # Normals of the flanks in contact differ by no more [rad]; what exceeds it is a corner.
 PARALLEL = 1e-9
+# Those on a shelf may differ by so much [rad].
+SLOPING = 0.05
 
 
 class Meeting(NamedTuple):
@@ -99,7 +101,7 @@ def search_contacts(pinion: Outline, wheel: Outline, placement: Placement, angle
     return _touch(pinion, wheel, placement, angle, *_first(candidates, met))
 
 
-def search_second(pinion: Outline, wheel: Outline, placement: Placement, angle: Array, within: float) -> Touch:
+def search_beside(pinion: Outline, wheel: Outline, placement: Placement, angle: Array, within: float) -> tuple[Touch, Touch]:
     """Return where two teeth touch next, beside their first touch: on the other side of a hollow, or on a tip edge.
 
     Parameters
@@ -111,13 +113,19 @@ def search_second(pinion: Outline, wheel: Outline, placement: Placement, angle: 
 
     Returns
     -------
-    Touch
-        Of all local minima that are `APART` or farther from the first touch the least; `reach` is false where there is none.
+    (Touch, Touch)
+        Of all local minima that are `APART` or farther from the first touch the least, and of all shelves: what a hollow leaves when it
+        closes, where the gap grows slowest away from the first touch. `reach` is false where there is none.
 
     Raises
     ------
     SolveError
         If a contact point does not converge.
+
+    Notes
+    -----
+    Points of the flanks that lie close without touching alone may touch under load; these are the ones that come first. A hollow closes
+    as its far side becomes a shelf, at the same place, so that a load on it does not vanish at once.
     """
     axis1 = angle + placement.pinion_start
     candidates = find_candidates(pinion, wheel, placement.centre_distance, axis1, within)
@@ -127,7 +135,9 @@ def search_second(pinion: Outline, wheel: Outline, placement: Placement, angle: 
     place[found.row], least[found.row] = first.point, first.axis2
     aside = np.hypot(*(met.point - place[candidates.row]).T) >= APART * pinion.gear.module
     other = aside & (met.axis2 <= least[candidates.row] + within)
-    return _touch(pinion, wheel, placement, angle, *_first(taken(candidates, other), Meeting(*(values[other] for values in met))))
+    beside, meetings = taken(candidates, other), Meeting(*(values[other] for values in met))
+    minimum, shelf = (_touch(pinion, wheel, placement, angle, *_first(beside, meetings, which)) for which in (False, True))
+    return minimum, shelf
 
 
 # ---- refinement ---------------------------------------------------------------------------------
@@ -171,18 +181,23 @@ def _missing(pinion: Outline, wheel: Outline, distance: float, kind: NDArray[np.
     """Return what falls through 0 at the touch, and its fall per parameter: the angle of the normals, or R2 above the wheel's edge."""
     stretch = pinion.stretch(met.u1)
     fall = (pinion.curvature(met.u1) + wheel.curvature(met.u2)) * stretch
-    edge = kind == EDGE2
+    edge, shelf = kind == EDGE2, kind == SHELF
+    # The curvature changes its sign on a shelf; without a slope the bracket is halved.
+    missing, fall = np.where(shelf, np.sign(met.mismatch) * fall, met.mismatch), np.where(shelf, 0.0, fall)
     if not edge.any():
-        return met.mismatch, fall
+        return missing, fall
     x, y = met.point[:, 0] - distance, met.point[:, 1]
     nearing = (y * np.cos(met.direction1) - x * np.sin(met.direction1)) / met.radius * stretch
-    return np.where(edge, met.radius - wheel.form_radius, met.mismatch), np.where(edge, nearing, fall)
+    return np.where(edge, met.radius - wheel.form_radius, missing), np.where(edge, nearing, fall)
 
 
-def _first(candidates: Candidates, met: Meeting) -> tuple[Candidates, Meeting]:
-    """Return the touch with the least axis2 of each angle that has one."""
-    parallel = np.abs(met.mismatch) < PARALLEL
-    touching = np.where(candidates.kind == TANGENT, parallel, np.where(candidates.kind == EDGE1, np.abs(met.mismatch) < 1.0, True))
+def _first(candidates: Candidates, met: Meeting, shelf: bool = False) -> tuple[Candidates, Meeting]:
+    """Return the touch, or the shelf, with the least axis2 of each angle that has one."""
+    kind, apart = candidates.kind, np.abs(met.mismatch)
+    if shelf:
+        touching = (kind == SHELF) & (apart < SLOPING)
+    else:
+        touching = np.where(kind == TANGENT, apart < PARALLEL, np.where(kind == EDGE1, apart < 1.0, kind == EDGE2))
     order = np.lexsort((met.axis2, candidates.row))
     order = order[touching[order]]
     _, first = np.unique(candidates.row[order], return_index=True)

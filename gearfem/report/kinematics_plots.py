@@ -175,7 +175,7 @@ def plot_four_ratios(results: Results) -> Figure:
     engagement = need(results.engagement, "engagement")
     figure, (axis,), x = _over_angle(results, engagement, "gear ratio i")
     contacts = engagement.contacts
-    for column in range(len(contacts.pairs)):
+    for column in range(len(contacts.first.pairs)):
         held = engagement.force[:, column] > 0.0
         if held.any():
             ratio = np.where(held, contacts.arm2[:, column] / contacts.arm1[:, column], np.nan)
@@ -297,7 +297,7 @@ def _over_angle(results: Results, engagement: Engagement, label: str, rows: int 
 
 def middle_pair(engagement: Engagement) -> int:
     """Return the number of the pair in the middle; pairs reach equally far beyond both ends of the angles."""
-    pairs = engagement.contacts.pairs
+    pairs = engagement.contacts.first.pairs
     return pairs[len(pairs) // 2]
 
 
