@@ -1,11 +1,12 @@
 """Compiled inner loops of the motion over many turns; imported when the first one is stepped, never with gearfem.
 
-Built on the loops of `gearfem.engagement.turn_kernels`; machine code kept on disk does not notice a change of that file alone.
+Built on the loops of `gearfem.engagement.turn_kernels`. Coordinates y (n,): the lag e = r_b1 psi1 - r_b2 psi2 [m], then the stretches
+of shafts [rad] and supports [m], none for two inertias. A `place` on the way of the gears is a pinion angle in pitches.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,8 +20,12 @@ from gearfem.engagement.turn_kernels import (
     FRICTION2,
     GAP_RATE,
     SLIDING,
+    SLIDING_RATE,
+    TABLE,
     compiled,
     couple,
+    cubic,
+    find,
     inlined,
     lay,
     respond,
@@ -28,10 +33,62 @@ from gearfem.engagement.turn_kernels import (
 )
 
 ROUNDS, TOLERANCE = 60, 1e-9
-# Pitches by which a point stands inside its step, on the right side of a reversal of the sliding.
-INSIDE = 1e-9
+# Shortest part of a step that a reversal of the sliding cuts off, Newton steps to its place, and how far beyond a step it is looked for.
+SHORTEST, NEWTON, NEAR = 1e-6, 3, 1.5
 # Weight of a pitch's moments in the next one's balance, least load that says anything about it, and what no machine swings by [m].
 MEMORY, LEAST_LOAD, UNBOUNDED = 0.7, 0.1, 0.1
+
+
+class Rows(NamedTuple):
+    """The pairs, as of `Stack.arrays`."""
+
+    early: float
+    tables: Any
+    late1: Any
+    late2: Any
+    knots: Any
+    bins: Any
+    shape: Any
+    law: Any
+    lowest: float
+    step: float
+    partners: Any
+    cknots: Any
+    cbins: Any
+    coupling: Any
+
+
+class Teeth(NamedTuple):
+    """What all pairs share: pitch [rad], pitches per second, damper, friction, mean stiffness, play, waves of the common gap, yield of
+    massless supports, face width, base radii and 1/(r_b1 pitch)."""
+
+    pitch: float
+    speed: float
+    damp: float
+    friction: float
+    stiffness: float
+    play: float
+    gaps: Any
+    yielding: float
+    width: float
+    base1: float
+    base2: float
+    turn: float
+
+
+class Train(NamedTuple):
+    """The linear part: waves of both torques, and accelerations of the coordinates and (last row) of psi1.
+
+    `by_load` (n + 1, 5) is per T1, M1, T2, M2 and normal force, `by_place` and `by_rate` (n + 1, n) per coordinate and its rate; `touch`
+    (n,) makes the approach of the flanks of the coordinates.
+    """
+
+    waves1: Any
+    waves2: Any
+    by_load: Any
+    by_place: Any
+    by_rate: Any
+    touch: Any
 
 
 @inlined
@@ -46,35 +103,49 @@ def wave(waves: Any, angle: float) -> tuple[float, float]:
 
 
 @inlined
+def dot(row: Any, values: Any) -> float:
+    """Return the inner product."""
+    total = 0.0
+    for i in range(values.size):
+        total += row[i] * values[i]
+    return total
+
+
+@inlined
+def arrange(q: float, first: int, teeth: Teeth, rows: Rows, desk: Any, matrix: Any, right: Any) -> int:
+    """Lay out the pairs at a place and return the first one; loads are kept to start from."""
+    count = desk.shape[0]
+    common = wave(teeth.gaps, q * teeth.pitch)[0]
+    # fmt: off
+    found = lay(
+        q, common, rows.tables, rows.late1, rows.late2, rows.knots, rows.bins, rows.shape, teeth.base1, teeth.base2, teeth.turn,
+        rows.early, count, desk,
+    )
+    # fmt: on
+    if found != first:
+        for slot in range(count):
+            right[slot] = desk[slot, FORCE]
+        for slot in range(count):
+            before = slot + found - first
+            desk[slot, FORCE] = right[before] if 0 <= before < count else 0.0
+    for slot in range(count):
+        if desk[slot, CELL] < 0.0:
+            desk[slot, FORCE] = 0.0
+    couple(q, found, count, rows.partners, rows.cknots, rows.cbins, rows.coupling, teeth.yielding * teeth.width, desk, matrix)
+    return int(found)
+
+
+@inlined
 def push(
-    e: float,
-    v: float,
-    common: float,
-    common_rate: float,
-    speed: float,
-    damp: float,
-    friction: float,
-    width: float,
-    stiffness: float,
-    play: float,
-    base1: float,
-    base2: float,
-    law: Any,
-    lowest: float,
-    step: float,
-    desk: Any,
-    matrix: Any,
-    work: Any,
-    right: Any,
+    e: float, v: float, q: float, middle: float, teeth: Teeth, rows: Rows, desk: Any, matrix: Any, work: Any, right: Any
 ) -> tuple[float, float, float]:
     """Return the moments of the teeth on pinion and wheel and the force along the line of action; NaN without convergence.
 
-    `speed` is in pitches per second.
+    Sliding has the direction that it has at `middle`, that of the step.
     """
-    count = desk.shape[0]
-    miss = np.inf
+    count, miss = desk.shape[0], np.inf
     for _ in range(ROUNDS):
-        miss = respond(e, law, lowest, step, count, desk, matrix)
+        miss = respond(e, rows.law, rows.lowest, rows.step, count, desk, matrix)
         if miss < TOLERANCE:
             break
         shift(0.0, count, desk, matrix, work, right)
@@ -83,108 +154,69 @@ def push(
             break
     else:
         return np.nan, np.nan, np.nan
+    common, common_rate = wave(teeth.gaps, q * teeth.pitch)
+    common_rate *= teeth.pitch
     force, moment1, moment2, gap_rate = 0.0, 0.0, 0.0, 0.0
     for j in range(count):
-        load = desk[j, FORCE] * width
+        load = desk[j, FORCE] * teeth.width
         if load <= 0.0:
             continue
-        held = friction * np.sign(desk[j, SLIDING])
+        held = teeth.friction * np.sign(desk[j, SLIDING] + (middle - q) * desk[j, SLIDING_RATE])
         force += load
         moment1 += load * (desk[j, ARM1] + held * desk[j, FRICTION1])
         moment2 += load * (desk[j, ARM2] + held * desk[j, FRICTION2])
         gap_rate += load * (desk[j, GAP_RATE] + common_rate)
     if force > 0.0:
-        whole = force + damp * (v - gap_rate / force * speed)
+        whole = force + teeth.damp * (v - gap_rate / force * teeth.speed)
         if whole <= 0.0:
             return 0.0, 0.0, 0.0
         return moment1 * whole / force, moment2 * whole / force, whole
-    depth = common - e - play
+    depth = common - e - teeth.play
     if depth > 0.0:
-        back = stiffness * depth - damp * (v - common_rate * speed)
+        back = teeth.stiffness * depth - teeth.damp * (v - common_rate * teeth.speed)
         if back > 0.0:
-            return -back * base1, -back * base2, -back
+            return -back * teeth.base1, -back * teeth.base2, -back
     return 0.0, 0.0, 0.0
 
 
 @inlined
-def look(
-    q: float,
-    e: float,
-    v: float,
-    fresh: bool,
-    first: int,
-    pitch: float,
-    speed: float,
-    damp: float,
-    friction: float,
-    stiffness: float,
-    play: float,
-    gaps: Any,
-    yielding: float,
-    width: float,
-    base1: float,
-    base2: float,
-    turn: float,
-    early: float,
-    tables: Any,
-    late1: Any,
-    late2: Any,
-    knots: Any,
-    bins: Any,
-    shape: Any,
-    law: Any,
-    lowest: float,
-    step: float,
-    partners: Any,
-    cknots: Any,
-    cbins: Any,
-    coupling: Any,
-    desk: Any,
-    matrix: Any,
-    work: Any,
-    right: Any,
-) -> tuple[int, float, float, float]:
-    """Return the first pair, the teeth's moments on pinion and wheel, and their force; NaN where the loads do not converge.
+def reversal(q: float, end: float, first: int, teeth: Teeth, rows: Rows, desk: Any) -> float:
+    """Return where between the place that the desk is laid at and `end` the sliding of a pair first reverses, `end` if nowhere."""
+    least = SHORTEST * (end - q)
+    for j in range(desk.shape[0]):
+        if desk[j, CELL] < 0.0:
+            continue
+        value, rate = desk[j, SLIDING], desk[j, SLIDING_RATE]
+        if value * rate > 0.0 or abs(value) > NEAR * (end - q) * abs(rate) or rate == 0.0:
+            continue
+        table, pair = int(desk[j, TABLE]), first + j
+        x = q - pair - rows.late1[pair % rows.late1.size] * teeth.turn
+        root = x
+        for _ in range(NEWTON):
+            root -= value / rate
+            cell = find(rows.knots, rows.bins, table, root)
+            if cell < 0:
+                break
+            own, d = rows.shape[table, cell, SLIDING], root - rows.knots[table, cell]
+            value, rate = cubic(own, d), (3.0 * own[0] * d + 2.0 * own[1]) * d + own[2]
+        else:
+            at = q + root - x
+            if q + least < at < end - least:
+                end = at
+    return end
 
-    `fresh` lays the pairs out anew, at another angle than before; their loads are kept to start from.
-    """
-    count = desk.shape[0]
-    common, rate = wave(gaps, q * pitch)
-    if fresh:
-        found = lay(q, common, tables, late1, late2, knots, bins, shape, base1, base2, turn, early, count, desk)
-        if found != first:
-            for slot in range(count):
-                right[slot] = desk[slot, FORCE]
-            for slot in range(count):
-                before = slot + found - first
-                desk[slot, FORCE] = right[before] if 0 <= before < count else 0.0
-        for slot in range(count):
-            if desk[slot, CELL] < 0.0:
-                desk[slot, FORCE] = 0.0
-        first = found
-        couple(q, first, count, partners, cknots, cbins, coupling, yielding * width, desk, matrix)
-    m1, m2, force = push(
-        e,
-        v,
-        common,
-        rate * pitch,
-        speed,
-        damp,
-        friction,
-        width,
-        stiffness,
-        play,
-        base1,
-        base2,
-        law,
-        lowest,
-        step,
-        desk,
-        matrix,
-        work,
-        right,
-    )
-    return first, m1, m2, force
+
+@inlined
+def accelerate(
+    q: float, torque1: float, torque2: float, m1: float, m2: float, force: float, y: Any, v: Any, teeth: Teeth, train: Train, out: Any
+) -> None:
+    """Set the accelerations of the coordinates, and of psi1 behind them."""
+    t1, t2 = torque1 + wave(train.waves1, q * teeth.pitch)[0], torque2 + wave(train.waves2, q * teeth.pitch)[0]
+    for i in range(out.size):
+        load = train.by_load[i]
+        out[i] = load[0] * t1 + load[1] * m1 + load[2] * t2 + load[3] * m2 + load[4] * force
+        if y.size > 1:
+            out[i] += dot(train.by_place[i], y) + dot(train.by_rate[i], v)
 
 
 @inlined
@@ -207,105 +239,75 @@ def march(
     state: Any,
     torque1: float,
     torque2: float,
-    waves1: Any,
-    waves2: Any,
-    inertia1: float,
-    inertia2: float,
     count: int,
-    pitch: float,
-    speed: float,
-    damp: float,
-    friction: float,
-    stiffness: float,
-    play: float,
-    gaps: Any,
-    yielding: float,
-    width: float,
-    base1: float,
-    base2: float,
-    turn: float,
-    early: float,
-    tables: Any,
-    late1: Any,
-    late2: Any,
-    knots: Any,
-    bins: Any,
-    shape: Any,
-    law: Any,
-    lowest: float,
-    step: float,
-    partners: Any,
-    cknots: Any,
-    cbins: Any,
-    coupling: Any,
+    teeth: Teeth,
+    rows: Rows,
+    train: Train,
     error: Any,
     acceleration: Any,
     force: Any,
+    moment: Any,
     means: Any,
 ) -> float:
     """Step from pitch `begin` past the last sample; the wheel torque follows its balance over `settling` pitches, then stays.
 
-    `samples` (n,) are pinion angles in pitches, increasing; `state` (2,) transmission error and its rate at the start; `speed` is in
-    pitches per second. Outputs (n,): transmission error [m], psi1'' [rad/s2], normal force [N]; `means` (3,): mean moments on pinion
-    and wheel, and share of the steps without contact on the working flank. Returns the wheel torque, NaN where it failed.
+    `samples` (m,) are places, increasing; `state` (2, n) coordinates and rates at the start. Outputs (m,): transmission error [m],
+    psi1'' [rad/s2], normal force [N] and moment of the teeth on the pinion [N m]; `means` (3,): mean moments on pinion and
+    wheel, and share of the time without contact on the working flank. Returns the wheel torque, NaN where it failed.
     """
-    desk, matrix = np.zeros((count, COLUMNS)), np.zeros((count, count))
-    work, right = np.zeros((count, count)), np.zeros(count)
-    e, v, first, sample, number = state[0], state[1], -(1 << 60), 0, begin
-    h = 1.0 / steps / speed
-    push1, push2 = base1 / inertia1, base2 / inertia2
-    recent1, recent2, moved = 0.0, 0.0, True
+    size = state.shape[1]
+    desk, matrix, work, right = np.zeros((count, COLUMNS)), np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
+    y, v, ys, vs, rise, rate = state[0].copy(), state[1].copy(), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
+    start, last, now = np.zeros(size + 1), np.zeros(size + 1), np.zeros(size + 1)
+    first, sample, number, recent1, recent2, moved = -(1 << 60), 0, begin, 0.0, 0.0, True
     means[:] = 0.0
     while sample < samples.size:
-        own1, own2 = 0.0, 0.0
-        for part in range(steps):
-            q0, q1 = number + part / steps, number + (part + 1) / steps
-            es, vs, a, rate, rise, start, touching = e, v, 0.0, 0.0, 0.0, 0.0, True
-            # The end of a step is the start of the next, but for the side of a reversal at the pitch point.
-            moved = moved or part == 0
+        own1, own2, part, q = 0.0, 0.0, 0, float(number)
+        while part < steps:
+            end = number + (part + 1) / steps
+            if moved:
+                first = arrange(q, first, teeth, rows, desk, matrix, right)
+            # Sliding reverses at the ends of steps, whose parts it cuts: no step sees two directions of friction.
+            stop = reversal(q, end, first, teeth, rows, desk) if teeth.friction > 0.0 else end
+            h, middle, touching = (stop - q) / teeth.speed, 0.5 * (q + stop), True
+            for i in range(size):
+                ys[i], vs[i], rise[i], rate[i], last[i] = y[i], v[i], 0.0, 0.0, 0.0
             for stage in range(4):
                 share = 0.0 if stage == 0 else 0.5 if stage < 3 else 1.0
                 weight = 1.0 / 3.0 if 0 < stage < 3 else 1.0 / 6.0
-                es, vs = e + share * h * vs, v + share * h * a
-                q = min(max(q0 + share * (q1 - q0), q0 + INSIDE), q1 - INSIDE)
-                moved = moved or stage % 2 == 1
-                # fmt: off
-                first, m1, m2, f = look(
-                    q, es, vs, moved, first, pitch, speed, damp, friction, stiffness, play, gaps, yielding, width, base1, base2,
-                    turn, early, tables, late1, late2, knots, bins, shape, law, lowest, step, partners, cknots, cbins, coupling,
-                    desk, matrix, work, right,
-                )
-                # fmt: on
-                t1, t2 = torque1 + wave(waves1, q * pitch)[0], torque2 + wave(waves2, q * pitch)[0]
-                a = push1 * (t1 - m1) + push2 * (t2 - m2)
-                rise, rate = rise + weight * vs, rate + weight * a
-                own1, own2 = own1 + weight * m1, own2 + weight * m2
-                moved = False
+                for i in range(size):
+                    ys[i], vs[i] = y[i] + share * h * vs[i], v[i] + share * h * last[i]
+                at = q + share * (stop - q)
+                if stage % 2 == 1:
+                    first = arrange(at, first, teeth, rows, desk, matrix, right)
+                m1, m2, f = push(dot(train.touch, ys), dot(train.touch, vs), at, middle, teeth, rows, desk, matrix, work, right)
+                accelerate(at, torque1, torque2, m1, m2, f, ys, vs, teeth, train, last)
+                for i in range(size):
+                    rise[i], rate[i] = rise[i] + h * weight * vs[i], rate[i] + h * weight * last[i]
+                own1, own2 = own1 + (stop - q) * weight * m1, own2 + (stop - q) * weight * m2
                 if stage == 0:
-                    start, touching = a, f > 0.0
-            rise, rate = h * rise, h * rate
-            if not abs(e + rise) < UNBOUNDED:
+                    start[:], touching = last, f > 0.0
+            moved = False
+            if not abs(y[0] + rise[0]) < UNBOUNDED:
                 return np.nan
-            while sample < samples.size and samples[sample] < q1:
-                s = (samples[sample] - q0) / (q1 - q0)
-                es, vs = between(s, h, e, v, start, rise, v + rate, a)
-                q = min(max(samples[sample], q0 + INSIDE), q1 - INSIDE)
-                # fmt: off
-                first, m1, m2, f = look(
-                    q, es, vs, True, first, pitch, speed, damp, friction, stiffness, play, gaps, yielding, width, base1, base2,
-                    turn, early, tables, late1, late2, knots, bins, shape, law, lowest, step, partners, cknots, cbins, coupling,
-                    desk, matrix, work, right,
-                )
-                # fmt: on
+            while sample < samples.size and samples[sample] < stop:
+                at = samples[sample]
+                for i in range(size):
+                    ys[i], vs[i] = between((at - q) / (stop - q), h, y[i], v[i], start[i], rise[i], v[i] + rate[i], last[i])
+                first = arrange(at, first, teeth, rows, desk, matrix, right)
+                m1, m2, f = push(dot(train.touch, ys), dot(train.touch, vs), at, middle, teeth, rows, desk, matrix, work, right)
                 if not abs(f) < np.inf:
                     return np.nan
-                error[sample], force[sample] = es, f
-                acceleration[sample] = (torque1 + wave(waves1, q * pitch)[0] - m1) / inertia1
+                accelerate(at, torque1, torque2, m1, m2, f, ys, vs, teeth, train, now)
+                error[sample], force[sample], moment[sample], acceleration[sample] = ys[0], f, m1, now[size]
                 sample, moved = sample + 1, True
             if number >= begin + settling and not touching:
-                means[2] += 1.0 / steps
-            e, v = e + rise, v + rate
-        own1, own2 = own1 / steps, own2 / steps
+                means[2] += stop - q
+            for i in range(size):
+                y[i], v[i] = y[i] + rise[i], v[i] + rate[i]
+            q = stop
+            if stop == end:
+                part += 1
         if number < begin + settling:
             recent1, recent2 = MEMORY * recent1 + own1, MEMORY * recent2 + own2
             if recent1 > LEAST_LOAD * torque1:

@@ -1,4 +1,4 @@
-"""Motion over many turns, where every tooth may differ: two inertias and the teeth between them, in fixed compiled steps."""
+"""Motion over many turns, where every tooth may differ: a drive train and the teeth in it, in fixed compiled steps."""
 
 from __future__ import annotations
 
@@ -8,19 +8,23 @@ import math
 import os
 from concurrent.futures import ThreadPoolExecutor
 from types import ModuleType
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.definition.setup import Member
+from gearfem.dynamics.linear_train import LinearTrain, linear_train
 from gearfem.dynamics.record import DriveTrain
 from gearfem.engagement.pair_table import levels
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.placement import Placement, runout_gap
 
-# Longest step by 1/omega_n and fewest steps to a pitch: see `march_turns` for what they cost in accuracy.
-STRIDE, FEWEST = 0.2, 128
+MEMBERS: tuple[Member, ...] = get_args(Member)
+# Longest step by 1/omega_n and fewest steps to a pitch: see `march_turns` for what they cost in accuracy. Modes of shafts and supports
+# that are faster than the teeth's may turn on by so many times as much in a step: the formula stays stable up to 2.8.
+STRIDE, FEWEST, SHAFTS = 0.2, 128, 2.5
 # The start, the slow engagement, is forgotten to exp(-DECAY) = 1e-4 before the first angle; no run-in is longer than these pitches.
 DECAY, LEAST_SETTLING, MOST_SETTLING = 9.0, 4, 2000
 SLOPE_ANGLES = 64
@@ -42,7 +46,7 @@ class TurnsMotion(Record):
     pinion_acceleration : ndarray, shape (n,)
         psi1'' [rad/s2].
     dynamic_factor : ndarray, shape (n,)
-        Kw = 1 - J1 psi1''/T1.
+        Kw = 1 - J1 psi1''/T1; where T1 acts beyond a shaft, M1/T1 of the moment M1 of the teeth.
     mesh_force : ndarray, shape (n,)
         Normal force on the working flanks, less that on the back flanks [N].
     contact_loss : float
@@ -51,6 +55,8 @@ class TurnsMotion(Record):
         Pitches stepped before the first angle.
     remains : float
         What is left of a difference between start and steady motion after them.
+    steps : int
+        Steps to the pitch.
     """
 
     pinion_angle: Array
@@ -64,6 +70,7 @@ class TurnsMotion(Record):
     contact_loss: float
     run_in: int
     remains: float
+    steps: int
 
 
 @functools.cache
@@ -127,7 +134,7 @@ def march_turns(
     turns : Turns
         The gears.
     drive : DriveTrain
-        Two inertias with their ripples, friction and damping; torque of the wheel and efficiency are not used.
+        Inertias, shafts and supports with their ripples, friction and damping; torque of the wheel and efficiency are not used.
     pinion_angle : array_like, shape (n,)
         Angles [rad], in any order.
     speed, torque : float, optional
@@ -142,7 +149,7 @@ def march_turns(
     Raises
     ------
     InputError
-        If speed or torque is not positive, the drive has more than two inertias, or the damping cannot settle it.
+        If speed or torque is not positive, or the damping cannot settle the motion.
     SolveError
         If the loads of the teeth do not converge, or the motion grows without bound.
 
@@ -152,7 +159,8 @@ def march_turns(
 
         e'' = r_b1/J1 (T1 - M1) + r_b2/J2 (T2 - M2),
 
-    M1, M2 the moments of the loads that the slow engagement has at the lag e, friction included. No transport motion is split
+    M1, M2 the moments of the loads that the slow engagement has at the lag e, friction included; longer trains add the stretches of
+    their shafts and supports (`linear_train`). No transport motion is split
     off: the gaps of worn, late or eccentric teeth act inside the contact, and e is the lag itself. That is exact for two free
     inertias but for one thing: tables and ripples are read at the mean rotation, not at psi1, which leads or lags it by some
     e m2/((m1 + m2) r_b1), below 1e-3 pitches for stiff gears; torque ripples that make the speed itself vary shift
@@ -161,71 +169,47 @@ def march_turns(
 
     Damping: P = sum F + D (e' - g'), D = 2 zeta sqrt(C M), g' the rate of the gaps by load, C from `mean_stiffness`; shared among
     the pairs as their loads are, and never pulling. Back flanks touch at the normal backlash with the stiffness C on the base
-    circles. Supports yield in series with the teeth, without mass, inside the damper. T2 follows the ratio of the mean moments
-    during the run-in and then stays.
+    circles. Supports of the placement yield in series with the teeth, without mass, inside the damper. T2 follows the ratio of the mean
+    moments during the run-in and then stays.
 
-    Classical Runge-Kutta steps, equal parts of a pitch, so that sliding reverses at their ends on unworn flanks; between them
+    Classical Runge-Kutta steps, equal parts of a pitch, cut where the sliding of a pair reverses; between them
     quintics. Where a pair comes into contact, and at impacts, their order falls to the second. Against steps ten times finer, Myga's
     rig with late teeth and friction errs by at most 2e-3 in Kw, and in the transmission error by 3e-3 of its standard
     deviation, from a third to three times its speed (tests/convergence/test_turns_steps.py).
     """
-    if not drive.two_inertias:
-        raise InputError(
-            "operation", "shafts or supports with inertia", "two inertias alone: use the elastic model for longer drive trains"
-        )
     speed = drive.pinion_speed if speed is None else speed
     torque = drive.pinion_torque if torque is None else torque
     if not (0.0 < speed < math.inf and 0.0 < torque < math.inf):
         raise InputError("operation", f"{speed:g} rad/s and {torque:g} N m", "a positive speed and a positive torque")
-    placement, angle = turns.mesh.placement, np.atleast_1d(np.asarray(pinion_angle, float))
-    pair = placement.pair
-    base1, base2, pitch = pair.pinion.base_radius, pair.wheel.base_radius, pair.pinion.pitch_angle
-    stiffness = mean_stiffness(turns, torque)
-    masses = drive.pinion_inertia / base1**2, drive.wheel_inertia / base2**2
-    mass = masses[0] * masses[1] / (masses[0] + masses[1])
-    natural, length = math.sqrt(stiffness / mass), pitch / speed
-    settling, remains = _run_in(drive.damping_ratio * natural * length)
+    pair, angle = turns.mesh.placement.pair, np.atleast_1d(np.asarray(pinion_angle, float))
+    plan = _plan(turns, drive, speed, torque, stride)
     order = np.argsort(angle, kind="stable")
-    samples = angle[order] / pitch
-    begin = math.floor(samples[0]) - settling
-    stack = turns.stack(np.arange(begin, math.floor(samples[-1]) + 2, dtype=float))
-    outputs = [np.empty(angle.size) for _ in range(3)]
-    means = np.zeros(3)
+    samples = angle[order] / pair.pinion.pitch_angle
+    begin = math.floor(samples[0]) - plan.settling
+    rows, count = _rows(turns, begin, samples[-1])
+    outputs, means = np.empty((4, angle.size)), np.zeros(3)
+    start = plan.train.start(torque, pair.ratio, pair.pinion.base_radius, *_slow_start(turns, drive, torque, begin, speed))
     wheel_torque = kernels().march(
         begin,
-        settling,
-        max(FEWEST, math.ceil(natural * length / stride)),
+        plan.settling,
+        plan.steps,
         samples,
-        _start(turns, drive, torque, begin * pitch, speed),
+        start,
         torque,
         torque * pair.ratio,
-        _torque_waves(drive, "pinion", pair.ratio),
-        _torque_waves(drive, "wheel", pair.ratio),
-        drive.pinion_inertia,
-        drive.wheel_inertia,
-        stack.count,
-        pitch,
-        1.0 / length,
-        2.0 * drive.damping_ratio * math.sqrt(stiffness * mass),
-        drive.friction_coefficient,
-        stiffness,
-        placement.normal_backlash,
-        _gap_waves(placement),
-        placement.support,
-        pair.face_width,
-        base1,
-        base2,
-        1.0 / (base1 * pitch),
-        *stack.arrays(float(levels(pair.pinion.module)[0]), (placement.pinion_late, placement.wheel_late)),
+        count,
+        _teeth(turns.mesh.placement, drive, plan, speed),
+        rows,
+        _train(drive, plan.train, pair.ratio),
         *outputs,
         means,
     )
     if not math.isfinite(wheel_torque):
         found = f"motion over turns at {speed:g} rad/s: it grows without bound, or its loads do not converge"
         raise SolveError(f"{found}; raise the damping or take a shorter stride")
-    error, acceleration, force = (np.empty(angle.size) for _ in range(3))
-    for out, values in zip((error, acceleration, force), outputs, strict=True):
-        out[order] = values
+    found_at = np.empty_like(outputs)
+    found_at[:, order] = outputs
+    error, acceleration, force, moment = found_at
     return TurnsMotion(
         pinion_angle=angle,
         pinion_speed=speed,
@@ -233,12 +217,90 @@ def march_turns(
         wheel_torque=wheel_torque,
         transmission_error=error,
         pinion_acceleration=acceleration,
-        dynamic_factor=1.0 - drive.pinion_inertia * acceleration / torque,
+        dynamic_factor=moment / torque if drive.pinion_chain else 1.0 - drive.pinion_inertia * acceleration / torque,
         mesh_force=force,
         contact_loss=float(means[2]),
-        run_in=settling,
-        remains=remains,
+        run_in=plan.settling,
+        remains=plan.remains,
+        steps=plan.steps,
     )
+
+
+class _Plan(NamedTuple):
+    """Linear part, mean stiffness and damper of a motion, its steps to the pitch, pitches of its run-in and what these leave."""
+
+    train: LinearTrain
+    stiffness: float
+    damper: float
+    steps: int
+    settling: int
+    remains: float
+
+
+def _plan(turns: Turns, drive: DriveTrain, speed: float, torque: float, stride: float) -> _Plan:
+    """Return how a motion is stepped."""
+    pair = turns.mesh.placement.pair
+    base1, base2, length = pair.pinion.base_radius, pair.wheel.base_radius, pair.pinion.pitch_angle / speed
+    stiffness = mean_stiffness(turns, torque)
+    natural, damper = mesh_mode(drive, stiffness, base1, base2)
+    train = linear_train(drive, base1, base2)
+    decay, fastest = train.rates(stiffness, damper, base1, base2)
+    steps = max(FEWEST, math.ceil(natural * length / stride), math.ceil(fastest * length / (SHAFTS * stride)))
+    return _Plan(train, stiffness, damper, steps, *_run_in(decay * length))
+
+
+def mesh_mode(drive: DriveTrain, stiffness: float, base1: float, base2: float) -> tuple[float, float]:
+    """Return the natural frequency of the two gears alone on a mean mesh stiffness [rad/s], and their damper [N s/m].
+
+    Parameters
+    ----------
+    drive : DriveTrain
+        Inertias and damping ratio.
+    stiffness : float
+        [N/m].
+    base1, base2 : float
+        Base radii [m].
+
+    Returns
+    -------
+    tuple of float
+    """
+    masses = drive.pinion_inertia / base1**2, drive.wheel_inertia / base2**2
+    mass = masses[0] * masses[1] / (masses[0] + masses[1])
+    return math.sqrt(stiffness / mass), 2.0 * drive.damping_ratio * math.sqrt(stiffness * mass)
+
+
+def _rows(turns: Turns, begin: int, last: float) -> tuple[Any, int]:
+    """Return the tables of the pairs from one pitch to another as the loops take them, and how many are followed at once."""
+    stack, placement = turns.stack(np.arange(begin, math.floor(last) + 2, dtype=float)), turns.mesh.placement
+    arrays = stack.arrays(float(levels(placement.pair.pinion.module)[0]), (placement.pinion_late, placement.wheel_late))
+    return kernels().Rows(*arrays), stack.count
+
+
+def _teeth(placement: Placement, drive: DriveTrain, plan: _Plan, speed: float) -> Any:
+    """Return what all pairs share, as the loops take it."""
+    pair = placement.pair
+    base1, base2, pitch = pair.pinion.base_radius, pair.wheel.base_radius, pair.pinion.pitch_angle
+    return kernels().Teeth(
+        pitch=pitch,
+        speed=speed / pitch,
+        damp=plan.damper,
+        friction=drive.friction_coefficient,
+        stiffness=plan.stiffness,
+        play=placement.normal_backlash,
+        gaps=_gap_waves(placement),
+        yielding=placement.support,
+        width=pair.face_width,
+        base1=base1,
+        base2=base2,
+        turn=1.0 / (base1 * pitch),
+    )
+
+
+def _train(drive: DriveTrain, train: LinearTrain, ratio: float) -> Any:
+    """Return the linear part with the ripples, as the loops take it."""
+    waves = (_torque_waves(drive, member, ratio) for member in MEMBERS)
+    return kernels().Train(*waves, train.by_load, train.by_place, train.by_rate, train.touch)
 
 
 def dynamic_factors(turns: Turns, drive: DriveTrain, speeds: ArrayLike, torque: float | None = None, workers: int | None = None) -> Array:
@@ -289,13 +351,14 @@ def _run_in(decay: float) -> tuple[int, float]:
     return count, math.exp(-decay * count)
 
 
-def _start(turns: Turns, drive: DriveTrain, torque: float, angle: float, speed: float) -> Array:
-    """Return transmission error and its rate of the slow engagement at the start."""
-    small = 1e-3 * turns.mesh.placement.pair.pinion.pitch_angle
-    at = angle + np.array([0.0, small])
+def _slow_start(turns: Turns, drive: DriveTrain, torque: float, begin: int, speed: float) -> tuple[float, float]:
+    """Return transmission error and its rate of the slow engagement at the start; without friction, which reverses just there."""
+    pitch = turns.mesh.placement.pair.pinion.pitch_angle
+    small = 1e-3 * pitch
+    at = begin * pitch + np.array([0.0, small])
     load = slow_torque(drive, torque, at, turns.mesh.placement.pair.ratio)
-    error = static(turns, at, np.maximum(load, 0.05 * torque), drive.friction_coefficient).transmission_error
-    return np.array([error[0], (error[1] - error[0]) / small * speed])
+    error = static(turns, at, np.maximum(load, 0.05 * torque)).transmission_error
+    return float(error[0]), float((error[1] - error[0]) / small * speed)
 
 
 def _torque_waves(drive: DriveTrain, member: Member, ratio: float) -> Array:

@@ -6,7 +6,9 @@ over it (highest power first). A `desk` is the scratch space of one angle, see `
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -14,18 +16,24 @@ import numpy as np
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
-QUANTITIES, COLUMNS = 7, 17
+QUANTITIES, COLUMNS = 7, 18
 GAP, ARM1, ARM2, FRICTION1, FRICTION2, SLIDING, ON_FLANK = range(QUANTITIES)
-CELL, PLACE, TABLE, FORCE, STIFFNESS, MISS, LEVER, MOMENT, DUAL, GAP_RATE = range(QUANTITIES, COLUMNS)
+CELL, PLACE, TABLE, FORCE, STIFFNESS, MISS, LEVER, MOMENT, DUAL, GAP_RATE, SLIDING_RATE = range(QUANTITIES, COLUMNS)
 MOST_PAIRS = 10
 ROUNDS = 40
 # Newton's method converges quadratically: a load met to 1e-11 has its last digits.
 TOLERANCE = 1e-11
 FAR = 1.0
+BUILD = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
 
 
 def compiled(function: Kernel) -> Kernel:
-    """Return the function compiled at its first call, the machine code kept on disk beside this file; it leaves other threads free."""
+    """Return the function compiled at its first call, the machine code kept on disk beside its file; it leaves other threads free.
+
+    The code on disk goes by the function's name and notices changes of its own file alone; the digest of this one, whose functions
+    are compiled into those of others, therefore becomes part of the name.
+    """
+    function.__qualname__ = f"{function.__qualname__}_{BUILD}"
     return cast(Kernel, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
 
 
@@ -72,7 +80,8 @@ def lay(
     """Lay out the pairs in reach of the pinion angle q, rows of `desk`; return the number of the first. Angles are in pitches.
 
     `turn` is 1/(r_b1 pitch), `early` the least local angle of any table.
-    Columns: gap with index errors and the common gap, arms, friction arms and sliding, cell and place in it (-1 out of reach), table.
+    Columns: gap with index errors and the common gap, arms, friction arms and sliding, cell and place in it (-1 out of reach), table,
+    slopes of gap and sliding.
     """
     first = int(np.floor(q - early)) - count + 1
     for slot in range(count):
@@ -93,6 +102,8 @@ def lay(
         desk[slot, PLACE] = d
         # Corners count as if their gap stood still: as in the elastic model, the damper sees what happens on the flanks.
         desk[slot, GAP_RATE] = desk[slot, ON_FLANK] * ((3.0 * own[0, 0] * d + 2.0 * own[0, 1]) * d + own[0, 2])
+        turned = own[SLIDING]
+        desk[slot, SLIDING_RATE] = (3.0 * turned[0] * d + 2.0 * turned[1]) * d + turned[2]
         lever = desk[slot, ARM2] / base2
         desk[slot, LEVER] = lever
         desk[slot, GAP] += common + late + late2[pair % late2.size]
