@@ -2,13 +2,14 @@
 
 from gearfem.diagnosis.campaign import Campaign, Measurement, read_campaign
 from gearfem.diagnosis.compare import compare
-from gearfem.diagnosis.diagnose import Diagnosis, bench_of, choose, diagnose, fit, remainder, settle, start
+from gearfem.diagnosis.diagnose import Diagnosis, choose, diagnose, fit, settle
 from gearfem.diagnosis.faults import Fault
 from gearfem.diagnosis.localise import localise
 from gearfem.diagnosis.name import name
 from gearfem.diagnosis.prove import prove
 from gearfem.diagnosis.rank import rank
 from gearfem.diagnosis.suggest import suggest
+from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.write import write_diagnosis
 
 __all__ = [
@@ -26,9 +27,7 @@ __all__ = [
     "prove",
     "rank",
     "read_campaign",
-    "remainder",
     "settle",
-    "start",
     "suggest",
     "write_diagnosis",
 ]

@@ -8,9 +8,9 @@ import numpy as np
 
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.linear import Elimination
+from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.noise import Noise
-from gearfem.diagnosis.teeth import Scatter
+from gearfem.diagnosis.problem import Problem
 from gearfem.foundation import Array, Record
 
 
@@ -49,13 +49,11 @@ class Compared(Record):
     before : ndarray, shape (n,)
         Measured less the model as its owner believes it, the unknown constant and angle taken off.
     after : ndarray, shape (n,)
-        What fitted nuisances leave: offset, scales, index errors and waviness of all teeth.
+        What fitted nuisances leave: offset, scales, index errors and waviness of all teeth, errors of our own model.
     scatter : ndarray, shape (n,)
-        The part of the fit that is waviness of single teeth.
+        The part of the fit that is waviness of single teeth, and errors of our own model.
     offset : float
         Fitted constant.
-    rows : (int, int)
-        Where its whitened rows stand in `Comparison.residual`.
     """
 
     measurement: Measurement
@@ -64,12 +62,6 @@ class Compared(Record):
     after: Array
     scatter: Array
     offset: float
-    rows: tuple[int, int]
-
-    @property
-    def white(self) -> Array:
-        """The whitened residual after the nuisances, shape (m,)."""
-        return self.noise.whitener.apply(self.after)
 
     def rms(self, series: Array) -> float:
         """Return the root mean square of a series over the rows that are used [SI]."""
@@ -82,40 +74,34 @@ class Comparison(Record):
 
     Parameters
     ----------
-    campaign : Campaign
-        What was measured.
-    settings : Settings
-        Fitted nuisances, index errors included.
-    scatter : Scatter
-        Prior of the single teeth.
+    problem : Problem
+        The records of role "fit" with their noise; it is what all further fits start from.
+    alone : Fit
+        Of the nuisances alone.
     shifts : tuple of Shift
         Where the nuisances went; the teeth's index errors are in `settings`.
     records : tuple of Compared
         The fitted records, in the order of the campaign; hold-out records are not looked at.
-    residual : ndarray, shape (m,)
-        Whitened rows of all records, linearised at the fit: measured less predicted, nuisances put back to their priors, so that
-        `elimination` frees it, and any candidate's whitened signature, from all of them.
-    elimination : Elimination
-        The nuisances, linear about the fit.
-    rounds : int
-        Rounds of Gauss and Newton's method that were needed.
     """
 
-    campaign: Campaign
-    settings: Settings
-    scatter: Scatter
+    problem: Problem
+    alone: Fit
     shifts: tuple[Shift, ...]
     records: tuple[Compared, ...]
-    residual: Array
-    elimination: Elimination
-    rounds: int
+
+    @property
+    def campaign(self) -> Campaign:
+        """What was measured."""
+        return self.problem.campaign
+
+    @property
+    def settings(self) -> Settings:
+        """Fitted nuisances, index errors included."""
+        return self.alone.settings
 
     @property
     def chi_square(self) -> float:
-        """Square of what is left, in the metric of noise and nuisances; about the number of rows if nothing is missing."""
-        return float(self.elimination.gram(self.residual, self.residual))
-
-    def whiten(self, series: tuple[Array, ...]) -> Array:
-        """Return series in the rows of the records, shapes (n,) or (n, p), whitened and one below the other."""
-        pairs = zip(self.records, series, strict=True)
-        return np.concatenate([record.noise.whitener.apply(part) for record, part in pairs])
+        """Square of what is left, in the metric of noise and nuisances, linear about the fit; about the number of rows if all is in."""
+        residual = self.problem.effective(self.alone.point)
+        left, _ = self.problem.whole.measure(residual[:, None], residual)
+        return float(left[0, 0])

@@ -6,27 +6,21 @@ import dataclasses
 import difflib
 from collections.abc import Iterable, Mapping
 
-import numpy as np
-
-from gearfem.assembly import assemble
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
-from gearfem.diagnosis.fit import Fit, Problem
-from gearfem.diagnosis.linear import eliminate
+from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.localise import Localisation, localise
 from gearfem.diagnosis.name import Naming, Rival, name
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.prove import Proof, prove
 from gearfem.diagnosis.suggest import Suggestion, suggest
-from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation import InputError, Record
 from gearfem.foundation.progress import Progress, quiet
 
-# Terms of the waviness of a flank: tooth by tooth it is finer than what a comparison needs to find the angle and the noise.
-TERMS = 14
-# Rounds of the first fit, before derivatives are taken again; most rounds in which they are; draws of noise behind each map.
-EARLY, SETTLED, DRAWS = 4, 3, 100
+# Most rounds in which derivatives are taken again; draws of noise behind each map.
+SETTLED, DRAWS = 3, 100
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,8 +33,6 @@ class Diagnosis(Record):
         Model and campaign with nuisances alone.
     before, after : Localisation
         Where the gap is with nuisances alone, and where what is named leaves one; the same where nothing is named.
-    problem : Problem
-        Records that were fitted, with noise and nuisances.
     naming : Naming
         Verdict, named effects and rivals.
     proof : Proof
@@ -52,15 +44,19 @@ class Diagnosis(Record):
     comparison: Comparison
     before: Localisation
     after: Localisation
-    problem: Problem
     naming: Naming
     proof: Proof
     suggestions: tuple[Suggestion, ...]
 
     @property
+    def problem(self) -> Problem:
+        """Records that were fitted, with noise and nuisances."""
+        return self.comparison.problem
+
+    @property
     def campaign(self) -> Campaign:
         """What was measured."""
-        return self.problem.campaign
+        return self.comparison.campaign
 
     @property
     def alternatives(self) -> tuple[Rival, ...]:
@@ -99,9 +95,9 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     -----
     The steps one by one, each of which can be looked at and repeated with other arguments:
 
-        comparison = compare(campaign, bench_of(campaign))
+        comparison = compare(campaign)
         where = localise(comparison)
-        problem, alone = start(comparison)
+        problem, alone = comparison.problem, comparison.alone
         candidates = rank(problem, alone, kinds)
         mine = fit(problem, (TipRelief(gear="wheel", amount=1e-5, length=2e-3),), alone)
         naming = name(problem, alone, kinds)
@@ -109,14 +105,13 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     """
     if not campaign.of("fit"):
         raise InputError("record", "no record of role fit", "at least one record that is not held out", campaign.path)
-    comparison = compare(campaign, bench_of(campaign), progress=progress)
-    problem, alone = start(comparison)
-    comparison = remainder(comparison, problem, alone)
-    before = localise(comparison, _forms(problem), DRAWS, progress=progress)
+    comparison = compare(campaign, progress=progress)
+    problem, alone = comparison.problem, comparison.alone
+    before = localise(comparison, draws=DRAWS, progress=progress)
     naming = name(problem, alone, kinds, progress)
-    after = localise(remainder(comparison, problem, naming.fit), None, DRAWS, progress=progress) if naming.fit.effects else before
+    after = localise(comparison, naming.fit, DRAWS, progress=progress) if naming.fit.effects else before
     proof = prove(problem, naming.fit, naming.alone, progress)
-    draft = Diagnosis(comparison=comparison, before=before, after=after, problem=problem, naming=naming, proof=proof, suggestions=())
+    draft = Diagnosis(comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=())
     rivals = [rival.effects for rival in draft.alternatives]
     return dataclasses.replace(draft, suggestions=suggest(problem, naming.fit, rivals, progress)) if rivals else draft
 
@@ -149,28 +144,6 @@ def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude:
     return left
 
 
-def bench_of(campaign: Campaign, effects: Iterable[Effect] = ()) -> SystemBench:
-    """Return the campaign's model, with or without further effects, ready to predict records."""
-    return SystemBench(system=assemble(campaign.setup, tuple(effects)))
-
-
-def start(comparison: Comparison) -> tuple[Problem, Fit]:
-    """Return the problem that all fits of a campaign share, and the fit of the nuisances alone.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        Of nuisances alone: its noise and its angle zero are where everything starts from.
-    """
-    records = comparison.records
-    scatter = dataclasses.replace(comparison.scatter, terms=TERMS)
-    problem = Problem(comparison.campaign, tuple(r.measurement for r in records), tuple(r.noise for r in records), scatter)
-    moved = np.array([shift.deviations if shift.name == "angle_offset" else 0.0 for shift in comparison.shifts])
-    # Scales that try to do the work of a missing effect stand at their limits, where derivatives mean little.
-    alone = problem.fit((), problem.prepare((), moved), EARLY)
-    return problem, problem.fit((), problem.prepare((), alone.point.unknown))
-
-
 def settle(problem: Problem, fit: Fit) -> Fit:
     """Return a fit whose linear nuisances have been taken again where it ended, until that changes nothing any more.
 
@@ -196,23 +169,10 @@ def fit(problem: Problem, effects: Iterable[Effect], start: Fit) -> Fit:
     Parameters
     ----------
     problem : Problem
-        From `start`.
+        From `compare`.
     effects : iterable of Effect
         With the values to begin from; gears and teeth stay.
     start : Fit
         Whose nuisances the fit begins with: nuisances alone, or an earlier fit.
     """
     return problem.fit(tuple(effects), start.point.unknown)
-
-
-def remainder(comparison: Comparison, problem: Problem, fit: Fit) -> Comparison:
-    """Return the comparison in which a fit stands instead of the nuisances alone, to see by `localise` what it leaves."""
-    records = tuple(dataclasses.replace(record, after=left) for record, left in zip(comparison.records, fit.left, strict=True))
-    elimination = eliminate(np.concatenate([problem.scales, problem.whiten(problem.columns)], axis=1))
-    return dataclasses.replace(
-        comparison, settings=fit.settings, records=records, residual=problem.effective(fit.point), elimination=elimination
-    )
-
-
-def _forms(problem: Problem) -> Array:
-    return problem.whiten(tuple(columns[:, problem.first_form - problem.outer :] for columns in problem.columns))

@@ -7,12 +7,16 @@ import dataclasses
 import numpy as np
 
 from gearfem.diagnosis.comparison import Comparison
-from gearfem.diagnosis.sheets import Domain, Sheet, frequencies, sheets_of
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.marginal import Marginal
+from gearfem.diagnosis.sheets import Domain, Sheet, sheets_of
 from gearfem.diagnosis.zones import WORDS
 from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
 
 DRAWS = 300
+# Draws that are held in memory at a time.
+SLICE = 50
 CHANCE = 0.01
 NAMED = 3
 
@@ -104,19 +108,17 @@ class Localisation(Record):
     sentence: str
 
 
-def localise(
-    comparison: Comparison, form: Array | None = None, draws: int = DRAWS, seed: int = 1, progress: Progress = quiet
-) -> Localisation:
-    """Say where nuisances leave more than noise.
+def localise(comparison: Comparison, fit: Fit | None = None, draws: int = DRAWS, seed: int = 1, progress: Progress = quiet) -> Localisation:
+    """Say where a fit leaves more than noise.
 
     Parameters
     ----------
     comparison : Comparison
-        Of nuisances alone, or with effects put into the model, to see what they leave.
-    form : ndarray, shape (m, f), optional
-        Whitened signatures of errors of our own model, each of one standard deviation; drawn with the noise.
+        Of nuisances alone.
+    fit : Fit, optional
+        With effects, to see what they leave; by default what the nuisances alone leave.
     draws : int
-        Draws of noise, nuisances and model form, each fitted as the data were.
+        Draws of noise and nuisances, errors of our own model among them, each fitted as the data were.
     seed : int
         Of the draws.
     progress : Progress
@@ -132,26 +134,21 @@ def localise(
     compared with what the fit leaves of noise. The global test takes the largest of all cells of all maps, so that their number
     needs no further correction.
     """
-    sheets = [sheet for record in comparison.records for sheet in sheets_of(record, comparison)]
-    sheets += frequencies(comparison)
-    data = [_root(sheet, _white(comparison)) for sheet in sheets]
-    rng = np.random.default_rng(seed)
-    elimination = comparison.elimination
+    fit = fit or comparison.alone
+    sheets = sheets_of(comparison.problem, fit.settings.angle_offset)
+    data = [_root(sheet, fit.white[:, None])[:, 0] for sheet in sheets]
     drawn: list[list[Array]] = [[] for _ in sheets]
-    for number in range(draws):
-        progress("draws of noise", number, draws)
-        noise = rng.standard_normal(len(comparison.residual))
-        # Nuisances drawn from their priors are fitted away but for what their priors hold back.
-        noise += elimination.columns @ rng.standard_normal(elimination.columns.shape[1])
-        if form is not None:
-            noise += form @ rng.standard_normal(form.shape[1])
-        left = elimination.left(noise)
+    rng = np.random.default_rng(seed)
+    whole = comparison.problem.whole.weighed(fit.point.weights)
+    for done in range(0, draws, SLICE):
+        progress("draws of noise", done, draws)
+        left = _draws(whole, min(SLICE, draws - done), rng)
         for place, sheet in enumerate(sheets):
             drawn[place].append(_root(sheet, left))
     progress("draws of noise", draws, draws)
     maps, peaks = [], np.full(draws, -np.inf)
     for sheet, own, many in zip(sheets, data, drawn, strict=True):
-        table = np.stack(many)
+        table = np.concatenate(many, axis=1).T
         mean, spread = table.mean(axis=0), np.maximum(table.std(axis=0, ddof=1), 1e-12)
         peaks = np.maximum(peaks, ((table - mean) / spread).max(axis=1))
         maps.append(_map(sheet, own, mean, spread, (table**2).mean(axis=0)))
@@ -165,8 +162,11 @@ def localise(
     )
 
 
-def _white(comparison: Comparison) -> Array:
-    return np.concatenate([record.white for record in comparison.records])
+def _draws(whole: Marginal, count: int, rng: np.random.Generator) -> Array:
+    """Return what fits of the nuisances leave of white noise and of nuisances from their priors, shape (m, count)."""
+    # Nuisances drawn from their priors are fitted away but for what their priors hold back.
+    nuisances = whole.moved(rng.standard_normal((whole.columns[0].shape[1], count)))
+    return whole.left(rng.standard_normal(nuisances.shape) + nuisances)
 
 
 def _root(sheet: Sheet, white: Array) -> Array:

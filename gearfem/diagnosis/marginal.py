@@ -8,7 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from gearfem.foundation import Array, Record
 
@@ -49,13 +50,39 @@ class Marginal(Record):
         ends = np.cumsum([0, *(len(part) for part in self.columns)])
         return tuple(slice(int(a), int(b)) for a, b in itertools.pairwise(ends))
 
+    def first(self, count: int) -> Marginal:
+        """Return the first unknowns alone; their columns and products are not copied."""
+        columns = tuple(part[:, :count] for part in self.columns)
+        return dataclasses.replace(self, columns=columns, products=tuple(product[:count, :count] for product in self.products))
+
     def weighed(self, weights: Array) -> Marginal:
         """Return the same columns with other weights."""
         return dataclasses.replace(self, weights=weights)
 
+    def part(self, places: NDArray[Any]) -> Marginal:
+        """Return the records at some places alone."""
+        return Marginal(
+            columns=tuple(self.columns[i] for i in places), products=tuple(self.products[i] for i in places), weights=self.weights[places]
+        )
+
     def solve(self, residual: Array) -> Array:
         """Return the unknowns in prior deviations that leave least of whitened vectors, shapes (m,) or (m, p)."""
         return np.asarray(cho_solve(self._factor, self._pull(residual), check_finite=False))
+
+    def left(self, residual: Array) -> Array:
+        """Return whitened vectors, shapes (m,) or (m, p), without the unknowns that fit them best."""
+        return np.asarray(residual - self.moved(self.solve(residual)))
+
+    @cached_property
+    def root(self) -> Array:
+        """A factor F of the covariance F F' of the unknowns after the fit, in prior deviations, shape (k, k)."""
+        triangle, _ = self._factor
+        return np.asarray(solve_triangular(triangle, np.eye(len(triangle)), check_finite=False))
+
+    @property
+    def deviations(self) -> Array:
+        """Standard deviations of the unknowns after the fit, in prior ones, shape (k,)."""
+        return np.asarray(np.sqrt((self.root**2).sum(axis=1)))
 
     def measure(self, vectors: Array, residual: Array) -> tuple[Array, Array]:
         """Return the scalar products of whitened vectors with each other and with a residual, freed from the unknowns.
@@ -77,7 +104,7 @@ class Marginal(Record):
         return weighed.T @ vectors - own.T @ solved, weighed.T @ residual - solved.T @ other
 
     def moved(self, unknown: Array) -> Array:
-        """Return what unknowns do to all records, whitened, shape (m,)."""
+        """Return what unknowns, shapes (k,) or (k, p), do to all records, whitened, shapes (m,) or (m, p)."""
         return np.concatenate([part @ unknown for part in self.columns])
 
     def _pull(self, residual: Array) -> Array:

@@ -10,7 +10,8 @@ from typing import Literal
 import numpy as np
 from scipy.stats import chi2
 
-from gearfem.diagnosis.fit import Fit, Problem
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import Candidate, rank, rank_again, together
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.effects.effect import Effect

@@ -46,6 +46,10 @@ class Nuisance(Record):
         """Return the value of the setting so many prior deviations from the model's."""
         return math.exp(moved * self.prior) if self.is_scale else moved * self.prior
 
+    def deviations(self, value: float) -> float:
+        """Return how many prior deviations from the model's value a setting stands."""
+        return (math.log(value) if self.is_scale else value) / self.prior
+
 
 # Torque and stiffness act as their ratio on everything slow; Young's modulus (1 %) is merged with the stiffness scale (5 %).
 SCALES = (
@@ -83,7 +87,7 @@ def moved_settings(settings: Settings, nuisances: tuple[Nuisance, ...], moved: A
     return dataclasses.replace(settings, **changes)
 
 
-def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tuple[Nuisance, ...], moved: Array) -> Array:
+def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tuple[Nuisance, ...], moved: Array, here: Array) -> Array:
     """Return the derivatives of a record over nuisances in prior deviations, shape (n, number of them).
 
     Parameters
@@ -98,15 +102,17 @@ def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tup
         Which ones.
     moved : ndarray, shape (number of them,)
         Where they stand, in prior deviations.
+    here : ndarray, shape (n,)
+        What the model predicts there.
     """
     out = np.zeros((len(record.axis), len(nuisances)))
     if record.quantity.of_gear:
         return out
     # Motions cost a hundred times what slow records do: forward differences, whose error is a step's share of the curvature.
     moving = record.quantity.moving
-    here = bench.predict(record, settings)
     for place, nuisance in enumerate(nuisances):
-        if nuisance in MOVING and not moving:
+        # Kw is the largest value of a whole turn, wherever that begins.
+        if (nuisance in MOVING and not moving) or (nuisance.name == "angle_offset" and record.quantity.axis != "angle"):
             continue
         if nuisance.name == "gain" and record.quantity.axis == "angle":
             out[:, place] = nuisance.prior * here

@@ -7,16 +7,15 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from gearfem.assembly import assemble
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Measurement
-from gearfem.diagnosis.fit import Fit, Problem
-from gearfem.diagnosis.linear import eliminate
+from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.noise import Noise, measure_noise
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.roles import Role
 from gearfem.diagnosis.smooth import Smooth, fit_smooth
 from gearfem.diagnosis.system_bench import SystemBench
@@ -234,16 +233,15 @@ def _smooth(record: Measurement, left: Array, corrections: Mapping[str, Smooth])
 
 def _waviness(problem: Problem, fit: Fit) -> tuple[Array, Array]:
     """Return the waviness of all teeth as the fit has it, in prior deviations, and a factor F of its covariance F F'."""
-    wavy = np.flatnonzero(np.arange(len(problem.teeth)) % (problem.scatter.terms + 1))
-    triangle = eliminate(problem.whiten(problem.columns)).triangle
-    inverse = solve_triangular(triangle, np.eye(len(triangle)), check_finite=False)
-    return fit.point.unknown[problem.first_tooth + wavy], inverse[problem.first_tooth - problem.outer + wavy]
+    unknowns = problem.unknowns
+    return fit.point.unknown[unknowns.wavy], problem.linear.root[unknowns.wavy - unknowns.outer]
 
 
 def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, noise: Noise, waviness: tuple[Array, Array]) -> float:
     """Return what remains of a record under a model that is right: noise, and the waviness that the fit finds, its doubt included."""
-    wavy = np.flatnonzero(np.arange(len(problem.teeth)) % (problem.scatter.terms + 1))
-    columns = (tooth_columns(record, bench, fit.settings, problem.scatter) * problem.teeth)[:, wavy][record.keep]
+    unknowns = problem.unknowns
+    columns = tooth_columns(record, bench, fit.settings, unknowns.scatter) * unknowns.teeth
+    columns = columns[:, unknowns.wavy - unknowns.first_tooth][record.keep]
     if record.quantity.free_constant:
         columns = columns - columns.mean(axis=0)
     waves, doubt = columns @ waviness[0], columns @ waviness[1]

@@ -10,7 +10,8 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from gearfem.definition.setup import Member, Setup
-from gearfem.diagnosis.fit import Fit, Freed, Problem
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.problem import Freed, Problem
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.effects.effect import MEMBERS, Effect, Parameter
 from gearfem.foundation import Array, InputError, Record, SolveError

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.comparison import Compared, Comparison
+from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.zones import PHASES, ZONES, in_zones, leading_teeth, order_lines, phase_cells
 from gearfem.foundation import Array, Record
 from gearfem.foundation.units import RPM
@@ -33,7 +34,7 @@ class Sheet(Record):
     size : ndarray, shape (c,)
         Samples, or lines, in each cell.
     measure : callable
-        Takes the whitened residual of all records, shape (m,), and returns the power of each cell, shape (c,).
+        Takes whitened residuals of all records, shape (m, p), and returns the power of each cell, shape (c, p).
     """
 
     record: str
@@ -44,65 +45,63 @@ class Sheet(Record):
     measure: Callable[[Array], Array]
 
 
-def sheets_of(record: Compared, comparison: Comparison) -> list[Sheet]:
-    """Return the sheets of one record: zones and cells of the mesh phase, teeth of both gears, lines of the order spectrum."""
-    measurement = record.measurement
+def sheets_of(problem: Problem, angle_offset: float) -> list[Sheet]:
+    """Return the sheets of all records of a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+        Prepared: its rows are those of the whitened residuals.
+    angle_offset : float
+        True pinion angle less the recorded one [rad].
+
+    Returns
+    -------
+    list of Sheet
+        Of each record zones and cells of the mesh phase, teeth of both gears and lines of the order spectrum; then fixed frequencies.
+    """
+    pair, rows = problem.campaign.setup.pair, problem.linear.rows
+    sheets = [sheet for record, own in zip(problem.records, rows, strict=True) for sheet in _of_record(record, own, pair, angle_offset)]
+    return sheets + _frequencies(problem.records, rows)
+
+
+def _of_record(measurement: Measurement, rows: slice, pair: GearPair, angle_offset: float) -> list[Sheet]:
+    file = measurement.file
     if measurement.quantity.axis != "angle":
-        return [_whole(record)]
-    pair = comparison.campaign.setup.pair
-    angle = measurement.axis[measurement.keep] + comparison.settings.angle_offset
-    rows = slice(*record.rows)
+        return [_cell_sheet(file, rows, "mesh_phase", "zones", np.ones((rows.stop - rows.start, 1), bool), ("all",), fewest=1)]
+    angle = measurement.axis[measurement.keep] + angle_offset
     pinion, wheel = leading_teeth(angle, pair)
-    cells = [
-        _zone_sheet(measurement.file, rows, angle, pair),
-        _cell_sheet(
-            measurement.file, rows, "mesh_phase", "cells", phase_cells(angle, pair), tuple(f"{i / PHASES:.4g}" for i in range(PHASES))
-        ),
-        _cell_sheet(measurement.file, rows, "tooth", "pinion", pinion, tuple(f"pinion:{i}" for i in range(pair.pinion.teeth))),
-        _cell_sheet(measurement.file, rows, "tooth", "wheel", wheel, tuple(f"wheel:{i}" for i in range(pair.wheel.teeth))),
-        _order_sheet(measurement.file, rows, angle, pair),
+    phases = tuple(f"{i / PHASES:.4g}" for i in range(PHASES))
+    teeth = {"pinion": pair.pinion.teeth, "wheel": pair.wheel.teeth}
+    names = {gear: tuple(f"{gear}:{i}" for i in range(count)) for gear, count in teeth.items()}
+    sheets = [
+        _cell_sheet(file, rows, "mesh_phase", "zones", in_zones(angle, pair), ZONES),
+        _cell_sheet(file, rows, "mesh_phase", "cells", _one_hot(phase_cells(angle, pair), PHASES), phases),
+        _cell_sheet(file, rows, "tooth", "pinion", _one_hot(pinion, teeth["pinion"]), names["pinion"]),
+        _cell_sheet(file, rows, "tooth", "wheel", _one_hot(wheel, teeth["wheel"]), names["wheel"]),
+        _order_sheet(file, rows, angle, pair),
     ]
-    return [sheet for sheet in cells if sheet.label]
+    return [sheet for sheet in sheets if sheet.label]
 
 
-def _whole(record: Compared) -> Sheet:
-    rows = slice(*record.rows)
-    return Sheet(
-        record=record.measurement.file,
-        domain="mesh_phase",
-        part="zones",
-        label=("all",),
-        size=np.array([float(rows.stop - rows.start)]),
-        measure=lambda white: np.array([np.mean(white[rows] ** 2)]),
-    )
+def _one_hot(cell: NDArray[Any], count: int) -> NDArray[Any]:
+    """Return which cell each sample is in, shape (n, count)."""
+    return np.asarray(cell[:, None] == np.arange(count))
 
 
-def _zone_sheet(file: str, rows: slice, angle: Array, pair: GearPair) -> Sheet:
-    inside = in_zones(angle, pair)
-    used = np.flatnonzero(inside.sum(axis=0) >= FEWEST)
-    weight = inside[:, used].astype(float)
-    count = weight.sum(axis=0)
-    return Sheet(
-        record=file,
-        domain="mesh_phase",
-        part="zones",
-        label=tuple(ZONES[i] for i in used),
-        size=count,
-        measure=lambda white: (white[rows] ** 2) @ weight / count,
-    )
-
-
-def _cell_sheet(file: str, rows: slice, domain: Domain, part: str, cell: NDArray[Any], names: tuple[str, ...]) -> Sheet:
-    count = np.bincount(cell, minlength=len(names))
-    used = np.flatnonzero(count >= FEWEST)
-    size = count[used].astype(float)
+def _cell_sheet(
+    file: str, rows: slice, domain: Domain, part: str, inside: NDArray[Any], names: tuple[str, ...], fewest: int = FEWEST
+) -> Sheet:
+    used = np.flatnonzero(inside.sum(axis=0) >= fewest)
+    weight = inside[:, used].T.astype(float)
+    count = weight.sum(axis=1)
     return Sheet(
         record=file,
         domain=domain,
         part=part,
         label=tuple(names[i] for i in used),
-        size=size,
-        measure=lambda white: np.bincount(cell, white[rows] ** 2, minlength=len(names))[used] / size,
+        size=count,
+        measure=lambda white: weight @ white[rows] ** 2 / count[:, None],
     )
 
 
@@ -122,38 +121,25 @@ def _order_sheet(file: str, rows: slice, angle: Array, pair: GearPair) -> Sheet:
     )
 
 
-def frequencies(comparison: Comparison) -> list[Sheet]:
+def _frequencies(records: tuple[Measurement, ...], rows: tuple[slice, ...]) -> list[Sheet]:
     """Bands of fixed frequency over all records taken at speed: a resonance of sensor or shaft stands still where orders move."""
-    moving = [r for r in comparison.records if r.measurement.quantity.moving and r.measurement.quantity.axis == "angle"]
-    speeds = {round(r.measurement.pinion_speed / RPM, 3) for r in moving}
-    if len(speeds) < 2:
+    moving = [(r, own) for r, own in zip(records, rows, strict=True) if r.quantity.moving and r.quantity.axis == "angle"]
+    if len({round(record.pinion_speed / RPM, 3) for record, _ in moving}) < 2:
         return []
-    rates = [r.measurement.pinion_speed / (2.0 * math.pi) for r in moving]
-    highest = min(
-        0.4 * len(r.white) / (float(np.ptp(r.measurement.axis)) / (2.0 * math.pi)) * rate for r, rate in zip(moving, rates, strict=True)
-    )
-    edges = np.geomspace(max(rates), highest, BANDS + 1)
-    spectra = [np.fft.rfftfreq(len(r.white), float(np.ptp(r.measurement.axis)) / len(r.white) / r.measurement.pinion_speed) for r in moving]
-    band = [np.searchsorted(edges, spectrum) - 1 for spectrum in spectra]
-    count = sum(np.bincount(b[(b >= 0) & (b < BANDS)], minlength=BANDS) for b in band)
+    # Samples in a second of each record.
+    rates = [(own.stop - own.start) / float(np.ptp(record.axis)) * record.pinion_speed for record, own in moving]
+    lowest = max(record.pinion_speed for record, _ in moving) / (2.0 * math.pi)
+    edges = np.geomspace(lowest, 0.4 * min(rates), BANDS + 1)
+    spectra = [np.fft.rfftfreq(own.stop - own.start, 1.0 / rate) for (_, own), rate in zip(moving, rates, strict=True)]
+    bands = [_one_hot(np.searchsorted(edges, spectrum) - 1, BANDS).T.astype(float) for spectrum in spectra]
+    count = np.asarray(sum(band.sum(axis=1) for band in bands))
 
     def measure(white: Array) -> Array:
-        total = np.zeros(BANDS)
-        for record, cell in zip(moving, band, strict=True):
-            part = white[slice(*record.rows)]
-            power = np.abs(np.fft.rfft(part)) ** 2 / len(part)
-            inside = (cell >= 0) & (cell < BANDS)
-            total += np.bincount(cell[inside], power[inside], minlength=BANDS)
-        return np.asarray(total / np.maximum(count, 1))
+        parts = zip(moving, bands, strict=True)
+        powers = (band @ np.abs(np.fft.rfft(white[own], axis=0)) ** 2 / (own.stop - own.start) for (_, own), band in parts)
+        return np.asarray(sum(powers) / np.maximum(count, 1.0)[:, None])
 
     middle = np.sqrt(edges[1:] * edges[:-1])
     return [
-        Sheet(
-            record="speeds",
-            domain="frequency",
-            part="",
-            label=tuple(f"{f:.4g}" for f in middle),
-            size=np.asarray(count, float),
-            measure=measure,
-        )
+        Sheet(record="speeds", domain="frequency", part="", label=tuple(f"{f:.4g}" for f in middle), size=count, measure=measure),
     ]

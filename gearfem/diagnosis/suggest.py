@@ -11,10 +11,11 @@ import numpy as np
 
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.campaign import Measurement
-from gearfem.diagnosis.fit import Fit, Problem
-from gearfem.diagnosis.linear import eliminate
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.nuisances import MOVING, SCALES, slopes
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import tooth_columns
@@ -129,10 +130,10 @@ def _separation(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple
         without = plain.predict(record, fit.settings)
         strengths = np.column_stack([AMOUNT * (prediction - without) for prediction in predictions])
         freed = np.concatenate([_nuisances(problem, fit, record, benches[0], predictions[0]), strengths], axis=1)
-        elimination = eliminate(freed / noise)
+        imitated = marginal((freed / noise,))
         for place, (i, j) in enumerate(pairs):
             difference = (predictions[i] - predictions[j]) / noise
-            squares[place] += float(elimination.gram(difference, difference))
+            squares[place] += float(imitated.measure(difference[:, None], difference)[1][0])
     return math.sqrt(max(float(squares.min()), 0.0))
 
 
@@ -142,9 +143,11 @@ def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBen
     known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *MOVING) if nuisance.name not in own))
     moved = np.array([fit.point.unknown[own[nuisance.name]] if nuisance.name in own else 0.0 for nuisance in known])
     constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
-    teeth = tooth_columns(record, bench, fit.settings, problem.scatter) * problem.teeth
-    (form,) = model_form((record,), bench, fit.settings, (predicted,), problem.scatter)
-    return np.concatenate([constant, slopes(record, bench, fit.settings, known, moved), teeth, form], axis=1)
+    scatter = problem.unknowns.scatter
+    teeth = tooth_columns(record, bench, fit.settings, scatter)
+    form = model_form(record, bench, fit.settings, predicted, teeth, scatter)
+    scales = slopes(record, bench, fit.settings, known, moved, predicted)
+    return np.concatenate([constant, scales, teeth * problem.unknowns.teeth, form], axis=1)
 
 
 # ---- what can be measured -------------------------------------------------------------------------------

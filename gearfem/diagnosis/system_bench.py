@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable
+from functools import cached_property
 
+from gearfem.assembly import assemble
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Oscillator, Settings, Weights
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.variants import VARIANTS
+from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import standard_angles
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array, Record
@@ -38,6 +43,11 @@ class SystemBench(Record):
     def pair(self) -> GearPair:
         """The gears."""
         return self.system.setup.pair
+
+    @cached_property
+    def variants(self) -> tuple[SystemBench, ...]:
+        """The same model with each of the errors that ours may have, at one standard deviation."""
+        return tuple(SystemBench(system=variant.change(self.system)) for variant in VARIANTS)
 
     def predict(self, record: Measurement, settings: Settings) -> Array:
         """Return what the record would read [SI], shape (n,)."""
@@ -103,3 +113,8 @@ class SystemBench(Record):
                 ),
             ),
         )
+
+
+def bench_of(campaign: Campaign, effects: Iterable[Effect] = ()) -> SystemBench:
+    """Return the campaign's model, with or without further effects, ready to predict records."""
+    return SystemBench(system=assemble(campaign.setup, tuple(effects)))

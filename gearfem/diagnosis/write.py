@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from gearfem.diagnosis.diagnose import Diagnosis
-from gearfem.diagnosis.model_form import VARIANTS
 from gearfem.diagnosis.name import Rival
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.updated import effect_table, write_updated
+from gearfem.diagnosis.variants import VARIANTS
 from gearfem.effects.effect import Effect
 from gearfem.foundation.files import write_json
 from gearfem.foundation.units import UM, factor
@@ -130,12 +130,12 @@ def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     for nuisance, moved in zip(problem.nuisances, fit.point.unknown, strict=False):
         unit = {} if nuisance.is_scale else {"unit": "rad"}
         rows.append(_row(nuisance.name, nuisance.words, float(moved)) | {"value": float(getattr(fit.settings, nuisance.name))} | unit)
-    for variant, moved in zip(VARIANTS, fit.point.unknown[problem.first_form :], strict=False):
+    for variant, moved in zip(VARIANTS, fit.point.unknown[problem.unknowns.first_form :], strict=False):
         rows.append(_row("model_form", f"error of the model: {variant.words}", float(moved)))
     for member, late in (("pinion", fit.settings.pinion_late), ("wheel", fit.settings.wheel_late)):
         worst = int(np.argmax(np.abs(late)))
         words = f"index error of tooth {worst} of the {member}, the largest"
-        row = _row(f"{member}_index_error_um", words, float(late[worst]) / problem.scatter.index)
+        row = _row(f"{member}_index_error_um", words, float(late[worst]) / problem.unknowns.scatter.index)
         rows.append(row | {"value": float(late[worst]) / UM, "unit": "um"})
     return rows
 

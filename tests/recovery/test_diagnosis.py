@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from gearfem.assembly import assemble
 from gearfem.cli import main
-from gearfem.diagnosis import Diagnosis, bench_of, choose, compare, diagnose, fit, prove, read_campaign, start, write_diagnosis
+from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, prove, read_campaign, write_diagnosis
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.write import as_json
 from gearfem.effects.catalogue import catalogue
@@ -160,7 +160,8 @@ def test_a_record_of_unknown_first_tooth_is_turned_until_it_fits(tmp_path: Path)
     measure(true, read_plan(tmp_path / "plan.toml", true.pair), NOMINAL, tmp_path / "rig")
     drawn = json.loads((tmp_path / "rig" / "truth.json").read_text())["records"]["pitch.csv"]["first_tooth"]
     campaign = read_campaign(tmp_path / "rig" / "campaign.toml")
-    problem, alone = start(compare(campaign, bench_of(campaign)))
+    comparison = compare(campaign)
+    problem, alone = comparison.problem, comparison.alone
     proof = prove(problem, fit(problem, [Runout(gear="wheel", eccentricity=8.0 * UM, angle=0.5)], alone), alone)
     (held,) = proof.of("holdout")
     assert drawn > 0

@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import lfilter
 
 from gearfem.diagnosis.campaign import Measurement
-from gearfem.diagnosis.linear import eliminate
+from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.whitening import make_whitener
@@ -113,14 +113,26 @@ def test_masked_rows_break_the_run() -> None:
     assert white[10] == pytest.approx(value[13] / math.sqrt(2.5), rel=1e-12, abs=0.0)
 
 
-def test_elimination_is_the_metric_of_noise_and_nuisances() -> None:
+def test_what_is_freed_of_nuisances_is_measured_in_the_metric_that_holds_them() -> None:
     rng = np.random.default_rng(7)
     columns, residual, other = rng.normal(size=(40, 6)), rng.normal(size=40), rng.normal(size=(40, 2))
-    freed = eliminate(columns.copy())
-    metric = np.linalg.inv(np.eye(40) + columns @ columns.T)
-    assert freed.gram(residual, other) == pytest.approx(residual @ metric @ other, rel=1e-10, abs=1e-12)
-    pull = rng.normal(size=6)
-    normal = columns.T @ columns + np.eye(6)
-    assert freed.solve(residual, pull) == pytest.approx(np.linalg.solve(normal, columns.T @ residual + pull), rel=1e-10, abs=1e-12)
-    assert freed.deviations() == pytest.approx(np.sqrt(np.diag(np.linalg.inv(normal))), rel=1e-10, abs=0.0)
-    assert freed.left(residual) == pytest.approx(metric @ residual, rel=1e-10, abs=1e-12)
+    weights = np.array([0.3, 1.0])
+    freed = marginal((columns[:15], columns[15:])).weighed(weights)
+    rows = np.repeat(weights, (15, 25))
+    metric = np.linalg.inv(np.diag(1.0 / rows) + columns @ columns.T)
+    gram, pull = freed.measure(other, residual)
+    assert gram == pytest.approx(other.T @ metric @ other, rel=1e-10, abs=1e-12)
+    assert pull == pytest.approx(other.T @ metric @ residual, rel=1e-10, abs=1e-12)
+    normal = columns.T @ (rows[:, None] * columns) + np.eye(6)
+    solved = np.linalg.solve(normal, columns.T @ (rows * residual))
+    assert freed.solve(residual) == pytest.approx(solved, rel=1e-10, abs=1e-12)
+    assert freed.left(other)[:, 1] == pytest.approx((metric @ other)[:, 1] / rows, rel=1e-10, abs=1e-12)
+    assert freed.deviations == pytest.approx(np.sqrt(np.diag(np.linalg.inv(normal))), rel=1e-10, abs=0.0)
+    assert freed.root @ freed.root.T == pytest.approx(np.linalg.inv(normal), rel=1e-9, abs=1e-12)
+
+
+def test_the_first_unknowns_alone_are_those_of_their_columns_alone() -> None:
+    rng = np.random.default_rng(8)
+    columns, residual = rng.normal(size=(40, 6)), rng.normal(size=40)
+    few = marginal((columns,)).first(4)
+    assert few.solve(residual) == pytest.approx(marginal((columns[:, :4],)).solve(residual), rel=1e-10, abs=1e-12)

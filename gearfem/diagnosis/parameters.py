@@ -1,0 +1,59 @@
+"""The parameters of sets of effects as one vector: values, bounds and sizes, in coordinates in which effects are smooth."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from gearfem.definition.setup import Setup
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array
+
+
+def values(effects: tuple[Effect, ...]) -> Array:
+    """Return the parameters of effects, shape (p,)."""
+    pairs = ((effect, field, known) for effect in effects for field, known in effect.parameters().items())
+    return np.array([known.coordinate(getattr(effect, field)) for effect, field, known in pairs])
+
+
+def bounds(effects: tuple[Effect, ...], setup: Setup) -> tuple[Array, Array]:
+    """Return their bounds, shapes (p,)."""
+    both = [
+        sorted(known.coordinate(edge) for edge in known.bounds(setup, effect.member))
+        for effect in effects
+        for known in effect.parameters().values()
+    ]
+    array = np.array(both).reshape(-1, 2)
+    return array[:, 0], array[:, 1]
+
+
+def sizes(effects: tuple[Effect, ...], setup: Setup) -> Array:
+    """Return their typical sizes, by which differences are taken, shape (p,)."""
+    out = []
+    for effect in effects:
+        for known in effect.parameters().values():
+            typical = known.coordinate(known.typically(setup, effect.member))
+            rest = known.coordinate(known.at_rest(setup, effect.member)) if known.neutral is not None else 0.0
+            out.append(abs(typical - rest) or abs(typical) or 1.0)
+    return np.array(out)
+
+
+def moved(effects: tuple[Effect, ...], to: Array) -> tuple[Effect, ...]:
+    """Return effects with other parameters, shape (p,)."""
+    left = iter(to)
+    return tuple(
+        dataclasses.replace(effect, **{field: known.value(float(next(left))) for field, known in effect.parameters().items()})
+        for effect in effects
+    )
+
+
+def at_bounds(effects: tuple[Effect, ...], setup: Setup) -> tuple[tuple[int, str], ...]:
+    """Return the parameters that stand at a bound: number of the effect and field."""
+    found = []
+    for number, effect in enumerate(effects):
+        for field, known in effect.parameters().items():
+            low, high = known.bounds(setup, effect.member)
+            if any(abs(getattr(effect, field) - edge) <= 1e-6 * (high - low) for edge in (low, high)):
+                found.append((number, field))
+    return tuple(found)

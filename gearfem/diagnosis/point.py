@@ -1,0 +1,39 @@
+"""One point of a fit: effects, nuisances, and what they leave."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, Record
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Point(Record):
+    """Effects and nuisances at one point, and what they leave.
+
+    Parameters
+    ----------
+    effects : tuple of Effect
+        With the parameters of this point.
+    unknown : ndarray, shape (k,)
+        Nuisances in prior deviations: settings, offsets, teeth, model form.
+    predicted : tuple of ndarray
+        Of each record [SI], offsets, waviness and model form left out.
+    residual : ndarray, shape (m,)
+        Measured less predicted, whitened, the index errors put back to 0.
+    index : ndarray
+        The index errors that the prediction holds, among the linear unknowns.
+    weights : ndarray, shape (r,)
+        What a squared whitened row of each record counts here, see `profile`.
+    objective : float
+        Cost of all records and squares of all nuisances in prior deviations, summed.
+    """
+
+    effects: tuple[Effect, ...]
+    unknown: Array
+    predicted: tuple[Array, ...]
+    residual: Array
+    index: Array
+    weights: Array
+    objective: float

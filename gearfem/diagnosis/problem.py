@@ -1,0 +1,193 @@
+"""What is fitted: records of one campaign, their noise, and the nuisances that all fits share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+
+from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.columns import make_columns
+from gearfem.diagnosis.fit import ROUNDS, Fit, fit
+from gearfem.diagnosis.marginal import Marginal, profile
+from gearfem.diagnosis.noise import Noise
+from gearfem.diagnosis.point import Point
+from gearfem.diagnosis.system_bench import SystemBench, bench_of
+from gearfem.diagnosis.teeth import Scatter
+from gearfem.diagnosis.unknowns import unknowns_of
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array
+
+# What measures whitened signatures, shape (m, p): their products with each other, (p, p), and with what is left, (p,).
+Freed: TypeAlias = Callable[[Array], tuple[Array, Array]]
+# What makes the model with effects.
+BenchOf: TypeAlias = Callable[[tuple[Effect, ...]], SystemBench]
+
+# Share of its own deviation to which a record is predicted when all that is named is known: waviness finer than the terms fitted, teeth
+# that act on each other by it, and at speed its linearised response; healthy pairs leave this much.
+ACCURACY_SLOW, ACCURACY_MOVING = 0.04, 0.08
+
+
+class Problem:
+    """Records of one campaign with their noise, and the nuisances that all fits share; the columns of these are made once.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        What was measured.
+    records : tuple of Measurement
+        The records to fit.
+    noises : tuple of Noise
+        Noise of each.
+    scatter : Scatter, optional
+        What single teeth are expected to do.
+    bench : callable, optional
+        Makes the model with effects; by default the campaign's.
+
+    Attributes
+    ----------
+    columns : tuple of ndarray, shapes (n, i)
+        Of each record over the inner unknowns in prior deviations [SI], once prepared.
+    scales : ndarray, shape (m, outer)
+        Of all whitened rows over the outer unknowns.
+    linear, whole : Marginal
+        The inner unknowns, and all of them.
+    floor, counts : ndarray, shape (r,)
+        Least mean square that can be expected of the whitened rows of each record, and their number.
+    """
+
+    columns: tuple[Array, ...]
+    scales: Array
+    linear: Marginal
+    whole: Marginal
+
+    def __init__(
+        self,
+        campaign: Campaign,
+        records: tuple[Measurement, ...],
+        noises: tuple[Noise, ...],
+        scatter: Scatter | None = None,
+        bench: BenchOf | None = None,
+    ) -> None:
+        self.campaign, self.records, self.noises = campaign, records, noises
+        self.bench: BenchOf = bench or (lambda effects: bench_of(campaign, effects))
+        self.unknowns = unknowns_of(campaign, records, scatter or Scatter())
+        self.nuisances = self.unknowns.nuisances
+        self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
+        self.weights = np.ones(len(records))
+        self.counts = np.array([float(record.keep.sum()) for record in records])
+
+    @property
+    def outer(self) -> int:
+        """Number of the nuisances that are not linear: scales and the angle zero."""
+        return self.unknowns.outer
+
+    def settings(self, unknown: Array) -> Settings:
+        """Return the settings of unknowns, shape (k,)."""
+        return self.unknowns.settings(unknown)
+
+    def predict(self, effects: tuple[Effect, ...], unknown: Array) -> tuple[Array, ...]:
+        """Return the records under effects and the unknowns that the model takes: scales, angle zero, index errors."""
+        bench, settings = self.bench(effects), self.settings(unknown)
+        return tuple(bench.predict(record, settings) for record in self.records)
+
+    def prepare(self, effects: tuple[Effect, ...], unknown: Array) -> Array:
+        """Make the columns of all nuisances at a point; every fit afterwards uses them until they are made again.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            The unknowns, completed by zeros where there were fewer.
+        """
+        self.columns, self.whole = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
+        inner = self.columns[0].shape[1]
+        self.linear = self.whole.first(inner)
+        self.scales = np.concatenate([part[:, inner:] for part in self.whole.columns])
+        return np.concatenate([unknown, np.zeros(self.outer + inner - len(unknown))])
+
+    # ---- points ---------------------------------------------------------------------------------
+
+    def at(self, effects: tuple[Effect, ...], unknown: Array, weights: Array | None = None) -> Point:
+        """Return a point: all that is linear about it, index errors too, moved to where it leaves least.
+
+        Parameters
+        ----------
+        effects, unknown : tuple of Effect, ndarray of shape (k,)
+            Where.
+        weights : ndarray, shape (r,), optional
+            What each record counts; by default what it deserves at this point.
+        """
+        predicted = self.predict(effects, unknown)
+        outer = unknown[: self.outer]
+        index = np.zeros_like(unknown)
+        index[self.unknowns.late] = unknown[self.unknowns.late]
+        index = index[self.outer :]
+        residual = self._residual(predicted, index)
+        # Without weights from a point nearby, those that this point deserves are found first.
+        deserved = self.weights if weights is None else weights
+        for _ in range(3 if weights is None else 1):
+            solved, cost, deserved = self._solve(residual, deserved)
+        return Point(
+            effects=effects,
+            unknown=np.concatenate([outer, solved]),
+            predicted=predicted,
+            residual=residual,
+            index=index,
+            weights=deserved,
+            objective=cost + float(outer @ outer),
+        )
+
+    def value(self, predicted: tuple[Array, ...], point: Point) -> float:
+        """Return the objective of another prediction with the scales and index errors of a point."""
+        outer = point.unknown[: self.outer]
+        return self._solve(self._residual(predicted, point.index), point.weights)[1] + float(outer @ outer)
+
+    def left(self, point: Point) -> tuple[Array, ...]:
+        """Return what a point leaves of each record [SI]: measured less predicted, offsets, teeth and model form."""
+        kept = point.unknown[self.outer :] - point.index
+        parts = zip(self.records, point.predicted, self.columns, strict=True)
+        return tuple(record.value - predicted - columns @ kept for record, predicted, columns in parts)
+
+    def effective(self, point: Point) -> Array:
+        """Return the whitened residual with the scales put back to their priors too, so that `freed` frees it from all nuisances."""
+        return point.residual + self.scales @ point.unknown[: self.outer]
+
+    def freed(self, point: Point) -> Freed:
+        """Return what measures signatures against all that a point leaves, freed from all nuisances."""
+        whole = self.whole.weighed(point.weights)
+        residual = self.effective(point)
+        return lambda vectors: whole.measure(vectors, residual)
+
+    def whiten(self, series: tuple[Array, ...]) -> Array:
+        """Return series in the rows of the records whitened and one below the other."""
+        return np.concatenate([noise.whitener.apply(part) for noise, part in zip(self.noises, series, strict=True)])
+
+    def squares(self, white: Array) -> Array:
+        """Return the sum of the squared whitened rows of each record, shape (r,)."""
+        return np.array([white[rows] @ white[rows] for rows in self.linear.rows])
+
+    def _residual(self, predicted: tuple[Array, ...], index: Array) -> Array:
+        """Return measured less predicted, whitened; the index errors, which the prediction holds, are put back by their columns."""
+        misfit = self.whiten(tuple(record.value - part for record, part in zip(self.records, predicted, strict=True)))
+        return misfit + self.linear.moved(index)
+
+    def _solve(self, residual: Array, weights: Array) -> tuple[Array, float, Array]:
+        """Return the linear unknowns that leave least of a residual, what it costs, and the weights that its records deserve."""
+        linear = self.linear.weighed(weights)
+        solved = linear.solve(residual)
+        cost, deserved = profile(self.squares(residual - linear.moved(solved)), self.counts, self.floor)
+        return solved, float(cost.sum() + solved @ solved), deserved
+
+    # ---- fitting --------------------------------------------------------------------------------
+
+    def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
+        """Fit the parameters of effects and all nuisances, see `gearfem.diagnosis.fit.fit`."""
+        return fit(self, effects, unknown, rounds, hopeless)
+
+
+def _floor(record: Measurement, noise: Noise) -> float:
+    """Return the least mean square of whitened rows that a model of finite accuracy can be expected to leave of a record."""
+    error = (ACCURACY_MOVING if record.quantity.moving else ACCURACY_SLOW) * float(np.std(record.value[record.keep]))
+    return 1.0 + (error / noise.std) ** 2
