@@ -7,7 +7,10 @@ import numpy as np
 from gearfem.assembly import effects_in
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Setup
+from gearfem.dynamics.record import DriveTrain
+from gearfem.dynamics.uneven import repeats
 from gearfem.effects.catalogue import in_history
+from gearfem.engagement.turns import Turns
 from gearfem.flank import Flanks, fitted_flanks, path_of_contact
 from gearfem.foundation import digest
 from gearfem.sensing import System
@@ -26,10 +29,6 @@ SLICED = (
     "which adds to the approach under a uniform load; axes do not tilt under load."
 )
 BODIES = "Each gear is a disc with a solid web, held rigidly on its bore;"
-UNEVEN = (
-    "Rigid and classical models: teeth like most of their gear's, evenly spaced, under steady torques. What differs from tooth to tooth "
-    "or varies with the turns acts in the elastic model, which is stepped over whole turns."
-)
 FITTED = "Fitted values of [calibration] act on stiffness, torque, inertia, damping, readings and tooth spacing."
 EVEN = "All teeth are equal and perfectly spaced."
 
@@ -73,3 +72,13 @@ def even(system: System) -> bool:
     odd = (flanks.pinion_odd, flanks.wheel_odd, compliance.pinion_odd, compliance.wheel_odd)
     places = (placement.pinion_late, placement.wheel_late, np.array([*placement.pinion_runout, *placement.wheel_runout]))
     return not any(odd) and not any(np.any(place) for place in places)
+
+
+def uneven_sentence(turns: Turns, drive: DriveTrain) -> str:
+    """Return over what stretch the motions of teeth that differ were taken, and how each model takes the difference."""
+    pitches = repeats(turns, drive)
+    whole = f"{pitches} pitches of the pinion, {pitches / turns.teeth[0]:.4g} of its turns"
+    return (
+        f"Teeth differ or torques ripple: all three models run over {whole}. The rigid one takes the ratio of the forces and of eccentric "
+        "gears, under steady torques; in the other two every tooth acts as it is."
+    )

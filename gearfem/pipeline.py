@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from gearfem.assembly import assemble, flanks_of
-from gearfem.assumptions import UNEVEN, even, of_flanks, of_system
+from gearfem.assumptions import even, of_flanks, of_system, uneven_sentence
 from gearfem.compliance import (
     Bore,
     Castigliano,
@@ -28,7 +28,7 @@ from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, rigid_motion, unloaded_transport, wheel_torque_sentence
 from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
-from gearfem.dynamics.uneven import uneven_motion
+from gearfem.dynamics.uneven import uneven_classical, uneven_motion, uneven_rigid
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
@@ -210,52 +210,56 @@ def _with_engagement(results: Results, torque: float, angles: Array | None) -> R
 
 
 def _with_dynamics(results: Results, progress: Progress) -> Results:
+    assert results.system is not None
+    drive, pair = results.system.drive, results.setup.pair
+    discs = pair.pinion.disc_inertia(pair.face_width), pair.wheel.disc_inertia(pair.face_width)
+    repeating = even(results.system) and not drive.ripples
+    results = (_with_even_dynamics if repeating else _with_uneven_dynamics)(results, discs, progress)
+    motions = {"rigid": results.rigid, "elastic": results.elastic, "classical": results.classical}
+    torques = [wheel_torque_sentence(name, drive, motion.wheel_torque) for name, motion in motions.items() if motion is not None]
+    classical = f"Classical model: inertias of the gears alone, solid discs of {discs[0]:.4g} and {discs[1]:.4g} kg m2."
+    return dataclasses.replace(results, assumptions=(*results.assumptions, *torques, classical))
+
+
+def _with_even_dynamics(results: Results, discs: tuple[float, float], progress: Progress) -> Results:
+    """Return the motions of teeth that are all alike, over one pitch."""
     assert results.mesh is not None
     assert results.system is not None
-    setup = results.setup
-    drive = results.system.drive
-    pitch = setup.pair.pinion.pitch_angle
-    torque = drive.pinion_torque
-    alike = results.mesh if even(results.system) else _evened(results.mesh)
-    forces = mesh_force(alike, torque)
+    drive, pair = results.system.drive, results.setup.pair
+    forces = mesh_force(results.mesh, drive.pinion_torque)
+    pitch = pair.pinion.pitch_angle
     positions = np.arange(RIGID_STEPS) / RIGID_STEPS * pitch
-    ratio = _closed(engage(alike, positions, torque).gear_ratio_force, setup.pair.ratio)
+    ratio = _closed(engage(results.mesh, positions, drive.pinion_torque).gear_ratio_force, pair.ratio)
     rigid = rigid_motion(positions, ratio, pitch, drive, kinked)
     coarse = rigid_motion(positions[::2], ratio[::2], pitch, drive, kinked)
-    if alike is results.mesh and not drive.ripples:
-        elastic = elastic_motion(forces, drive, unloaded_transport(forces, drive), progress=progress)
-    else:
-        elastic = uneven_motion(Turns(mesh=results.mesh), drive)
-    discs = tuple(gear.disc_inertia(setup.pair.face_width) for gear in (setup.pair.pinion, setup.pair.wheel))
-    classical = classical_motion(forces, drive, *discs, progress=progress)
+    change = abs(rigid.dynamic_factor.max() - coarse.dynamic_factor.max())
     return dataclasses.replace(
         results,
         mesh_force=forces,
         rigid=rigid,
-        elastic=elastic,
-        classical=classical,
+        elastic=elastic_motion(forces, drive, unloaded_transport(forces, drive), progress=progress),
+        classical=classical_motion(forces, drive, *discs, progress=progress),
         assumptions=(
             *results.assumptions,
-            wheel_torque_sentence("rigid", drive, rigid.wheel_torque),
-            f"Rigid model: {RIGID_STEPS} angles over the pitch; with half of them its largest dynamic factor changes by "
-            f"{abs(rigid.dynamic_factor.max() - coarse.dynamic_factor.max()):.2g}.",
-            wheel_torque_sentence("elastic", drive, elastic.wheel_torque),
-            wheel_torque_sentence("classical", drive, classical.wheel_torque),
-            f"Classical model: inertias of the gears alone, solid discs of {discs[0]:.4g} and {discs[1]:.4g} kg m2.",
-            *(() if alike is results.mesh and not drive.ripples else (UNEVEN,)),
+            f"Rigid model: {RIGID_STEPS} angles over the pitch; with half of them its largest dynamic factor changes by {change:.2g}.",
         ),
     )
 
 
-def _evened(mesh: Mesh) -> Mesh:
-    """Return a mesh all of whose teeth are like most of its gear's, evenly spaced about their axes."""
-    none1, none2 = np.zeros_like(mesh.placement.pinion_late), np.zeros_like(mesh.placement.wheel_late)
-    placement = dataclasses.replace(mesh.placement, pinion_late=none1, wheel_late=none2, pinion_runout=(0.0, 0.0), wheel_runout=(0.0, 0.0))
+def _with_uneven_dynamics(results: Results, discs: tuple[float, float], progress: Progress) -> Results:
+    """Return the motions of teeth that differ, or under torques that ripple, over whole turns."""
+    assert results.mesh is not None
+    assert results.system is not None
+    turns, drive = Turns(mesh=results.mesh), results.system.drive
+    progress("motions over whole turns", 0, 3)
+    rigid = uneven_rigid(turns, drive)
+    progress("motions over whole turns", 1, 3)
+    elastic = uneven_motion(turns, drive)
+    progress("motions over whole turns", 2, 3)
+    classical = uneven_classical(turns, drive, *discs)
+    progress("motions over whole turns", 3, 3)
     return dataclasses.replace(
-        mesh,
-        flanks=dataclasses.replace(mesh.flanks, pinion_odd=(), wheel_odd=()),
-        compliance=dataclasses.replace(mesh.compliance, pinion_odd=(), wheel_odd=()),
-        placement=placement,
+        results, rigid=rigid, elastic=elastic, classical=classical, assumptions=(*results.assumptions, uneven_sentence(turns, drive))
     )
 
 

@@ -13,12 +13,15 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from gearfem.assumptions import even
 from gearfem.cli.steps import Done
 from gearfem.definition.setup import Setup
-from gearfem.dynamics.drive import make_drive
+from gearfem.dynamics.record import DriveTrain
 from gearfem.dynamics.sweep import Found, sweep
 from gearfem.dynamics.sweep_record import Direction, Failure, Sweep, SweepPoint
 from gearfem.engagement.engage import mesh_force
+from gearfem.engagement.record import MeshForce
+from gearfem.engagement.turns import Turns
 from gearfem.foundation import Array, InputError, SolveError, digest
 from gearfem.foundation.progress import Progress
 from gearfem.foundation.units import RPM
@@ -31,12 +34,12 @@ PARTIAL = "sweep.partial.jsonl"
 MOST_SPEEDS = 100_000
 # A process takes some three seconds to start, as long as six hundred speeds take; fewer than these gain nothing by it.
 WORTH_A_PROCESS = 1000
-# Drives of more than two inertias take half a second or more a speed.
+# Drives of more than two inertias, and teeth that differ, take tenths of a second or more a speed.
 LARGE_WORTH_A_PROCESS = 10
 EVERY = 2.0
 UP_AND_DOWN: tuple[Direction, Direction] = ("up", "down")
 APART = 1e-3
-ARRAYS = ("harmonic_amplitude", "harmonic_phase", "line_amplitude", "multiplier_magnitude", "state")
+ARRAYS = ("harmonic_amplitude", "harmonic_phase", "line_order", "line_amplitude", "multiplier_magnitude", "state")
 
 
 def read_speeds(text: str) -> Array:
@@ -179,12 +182,9 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
         If every speed fails.
     """
     partial = Partial(out, setup, speeds, both_ways, resume)
-    results = run_chain(setup, "engagement", progress=progress)
-    assert results.mesh is not None
-    forces = mesh_force(results.mesh, setup.operation.pinion_torque)
+    forces, drive = _excitation(setup, progress)
     written = time.monotonic()
-    drive = make_drive(setup)
-    worth = WORTH_A_PROCESS if drive.two_inertias else LARGE_WORTH_A_PROCESS
+    worth = WORTH_A_PROCESS if drive.two_inertias and isinstance(forces, MeshForce) else LARGE_WORTH_A_PROCESS
     processes = workers or min(os.cpu_count() or 1, 1 + speeds.size * (1 + both_ways) // worth)
 
     def keep() -> None:
@@ -222,6 +222,15 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
     progress("pictures", 1, 1)
     partial.done()
     return Done(_lines(setup, whole), files)
+
+
+def _excitation(setup: Setup, progress: Progress) -> tuple[MeshForce | Turns, DriveTrain]:
+    """Return what the teeth do, over one pitch if all are alike and no torque ripples, and the drive with all effects."""
+    system = run_chain(setup, "compliance", progress=progress).system
+    assert system is not None
+    if even(system) and not system.drive.ripples:
+        return mesh_force(system.mesh, system.drive.pinion_torque), system.drive
+    return Turns(mesh=system.mesh), system.drive
 
 
 def _lines(setup: Setup, whole: Sweep) -> list[str]:

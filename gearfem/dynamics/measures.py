@@ -17,6 +17,7 @@ from gearfem.foundation import Array
 
 HARMONICS = 6
 LONGEST = PERIODS[-1]
+ORDERS = np.arange(1, HARMONICS * LONGEST + 1) / LONGEST
 # Tops among the nodes that are looked at closely, and places in a step: corners are missed by a slope over a thirtieth of it.
 TOPS, PLACES = 4, 33
 
@@ -73,6 +74,7 @@ def read_off(
         error_rms=math.sqrt(float(((error - mean) ** 2 * weights).sum() / len(error))),
         harmonic_amplitude=np.abs(harmonics),
         harmonic_phase=np.angle(harmonics),
+        line_order=ORDERS,
         line_amplitude=np.sqrt(np.mean(np.abs(lines) ** 2, axis=0)),
         contact_loss=float(held[0] + held[1]),
         back_contact=float(held[0]),
@@ -140,6 +142,7 @@ def read_off_reference(mesh: MeshForce, drive: DriveTrain, motion: ElasticMotion
         error_rms=float(error.std()),
         harmonic_amplitude=np.abs(harmonics),
         harmonic_phase=np.angle(harmonics),
+        line_order=ORDERS,
         line_amplitude=np.abs(lines[0]),
         contact_loss=motion.contact_loss,
         back_contact=float(np.mean(motion.mesh_force < 0.0)),

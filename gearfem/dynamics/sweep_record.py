@@ -32,23 +32,26 @@ class SweepPoint(Record):
         Mean of the dynamic transmission error, and root mean square of what it is off its mean [m].
     harmonic_amplitude, harmonic_phase : ndarray, shape (6,)
         Of the dynamic transmission error, A_n cos(n z1 phi1 + phase_n), n = 1 to 6 [m], [rad], phi1 the uniform rotation from angle 0.
-    line_amplitude : ndarray, shape (144,)
-        Amplitude of the dynamic transmission error at 1/24 to 6 mesh orders [m].
+    line_order, line_amplitude : ndarray, shape (k,)
+        Amplitudes of the dynamic transmission error [m] and their mesh orders: 1/24 to 6 in 144 steps; over turns, where teeth differ,
+        those up to 6 that reach a thousandth of the largest.
     contact_loss, back_contact : float
         Parts of the time without contact on the working flank, and in contact on the back flank.
     period_cycles : int
-        Mesh cycles after which the motion repeats, 1, 2, 3, 4, 6, 8, 12 or 24; 0: not periodic, statistics of 96 cycles.
+        Mesh cycles after which the motion repeats, 1, 2, 3, 4, 6, 8, 12 or 24; 0: not periodic, statistics of 96 cycles. Where teeth
+        differ: those after which the same ones meet again, over which everything here is taken.
     growth : float
         How much neighbouring motions grow per mesh cycle: the largest magnitude of the Floquet multipliers over the period, to the
         power 1/period_cycles; the mean over the cycles of the statistics where the motion is not periodic (above 1: chaotic;
-        below: it repeats after some other number of cycles, or has not settled).
+        below: it repeats after some other number of cycles, or has not settled). Where teeth differ: that of the drive train on the
+        mean stiffness of the mesh.
     multiplier_magnitude : ndarray, shape (2,) or (0,)
         Magnitudes of the Floquet multipliers over the period; empty where there is none.
     wheel_torque : float
         Braking torque at which the mean power balances [N m].
-    state : ndarray, shape (3,)
+    state : ndarray, shape (3,) or (2 n,)
         Where the next speed starts: deflection [m] and its rate [m/s] at the table's first angle, wheel torque over the
-        frictionless one.
+        frictionless one; where teeth differ, `TurnsMotion.end`.
     steps : int
         Steps per mesh cycle.
     """
@@ -65,6 +68,7 @@ class SweepPoint(Record):
     error_rms: float
     harmonic_amplitude: Array
     harmonic_phase: Array
+    line_order: Array
     line_amplitude: Array
     contact_loss: float
     back_contact: float

@@ -251,9 +251,10 @@ def march(
 ) -> float:
     """Step from pitch `begin` past the last sample; the wheel torque follows its balance over `settling` pitches, then stays.
 
-    `samples` (m,) are places, increasing; `state` (2, n) coordinates and rates at the start. Outputs (m,): transmission error [m],
-    psi1'' [rad/s2], normal force [N] and moment of the teeth on the pinion [N m]; `means` (3,): mean moments on pinion and
-    wheel, and share of the time without contact on the working flank. Returns the wheel torque, NaN where it failed.
+    `samples` (m,) are places, increasing; `state` (2, n) coordinates and rates at the start, and then at the end. Outputs (m,):
+    transmission error [m], psi1'' [rad/s2], normal force [N] and moment of the teeth on the pinion [N m]; `means` (3,): mean
+    moments on pinion and wheel, and share of the time without contact on the working flank. Returns the wheel torque, NaN where it
+    failed.
     """
     size = state.shape[1]
     desk, matrix, work, right = np.zeros((count, COLUMNS)), np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
@@ -316,4 +317,5 @@ def march(
             means[0], means[1] = means[0] + own1, means[1] + own2
         number += 1
     means /= max(number - begin - settling, 1)
+    state[0], state[1] = y, v
     return float(torque2)

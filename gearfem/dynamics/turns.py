@@ -57,6 +57,8 @@ class TurnsMotion(Record):
         What is left of a difference between start and steady motion after them.
     steps : int
         Steps to the pitch.
+    end : ndarray, shape (2, n)
+        Lag and stretches, and their rates, at the end: where the motion at a neighbouring speed may start.
     """
 
     pinion_angle: Array
@@ -71,6 +73,7 @@ class TurnsMotion(Record):
     run_in: int
     remains: float
     steps: int
+    end: Array
 
 
 @functools.cache
@@ -126,6 +129,7 @@ def march_turns(
     speed: float | None = None,
     torque: float | None = None,
     stride: float = STRIDE,
+    start: Array | None = None,
 ) -> TurnsMotion:
     """Return the steady motion at pinion angles, over any number of turns.
 
@@ -141,6 +145,8 @@ def march_turns(
         Mean speed [rad/s] and torque [N m] of the pinion; by default the drive's.
     stride : float
         Longest step by 1/omega_n.
+    start : ndarray, shape (2, n), optional
+        `end` of the motion at a neighbouring speed, on whose branch this one is to be; by default the slow engagement.
 
     Returns
     -------
@@ -188,13 +194,15 @@ def march_turns(
     begin = math.floor(samples[0]) - plan.settling
     rows, count = _rows(turns, begin, samples[-1])
     outputs, means = np.empty((4, angle.size)), np.zeros(3)
-    start = plan.train.start(torque, pair.ratio, pair.pinion.base_radius, *_slow_start(turns, drive, torque, begin, speed))
+    if start is None:
+        start = plan.train.start(torque, pair.ratio, pair.pinion.base_radius, *_slow_start(turns, drive, torque, begin, speed))
+    state = np.array(start)
     wheel_torque = kernels().march(
         begin,
         plan.settling,
         plan.steps,
         samples,
-        start,
+        state,
         torque,
         torque * pair.ratio,
         count,
@@ -223,6 +231,7 @@ def march_turns(
         run_in=plan.settling,
         remains=plan.remains,
         steps=plan.steps,
+        end=state,
     )
 
 

@@ -273,13 +273,14 @@ def share(
     slope: Any,
     first: Any,
     force: Any,
+    moment2: Any,
     weight1: Any,
     weight2: Any,
 ) -> int:
     """Solve every angle; return -1, or the number of the first that did not converge or left the law's levels.
 
-    Outputs: transmission error (n,) [m], its slope over the torque (n,), first pair (n,), loads (n, p) [N], weights of the
-    index errors of both teeth of each pair (n, p).
+    Outputs: transmission error (n,) [m], its slope over the torque (n,), first pair (n,), loads (n, p) [N], their moment on the
+    wheel without friction (n,) [N m], weights of the index errors of both teeth of each pair (n, p).
     """
     count = force.shape[1]
     desk = np.zeros((count, COLUMNS))
@@ -316,11 +317,12 @@ def share(
             e += missing / gain
         if not done:
             return row
-        error[row], slope[row] = e + base, 1.0 / gain
+        error[row], slope[row], moment2[row] = e + base, 1.0 / gain, 0.0
         for j in range(count):
             if (e - desk[j, GAP]) * desk[j, LEVER] > top:
                 return row
             force[row, j] = desk[j, FORCE] * width
+            moment2[row] += force[row, j] * desk[j, ARM2]
             weight2[row, j] = desk[j, DUAL] * desk[j, STIFFNESS] * desk[j, LEVER] / gain
             weight1[row, j] = weight2[row, j] * desk[j, ARM1] / base1 / desk[j, LEVER]
     return -1

@@ -40,6 +40,8 @@ class StaticTurns(Record):
         Number of the first pair followed; the others come one by one after it.
     force : ndarray, shape (n, p)
         Normal force on each pair over the whole face width [N]; 0 where it does not touch.
+    wheel_moment : ndarray, shape (n,)
+        Moment of these forces on the wheel, without friction [N m].
     pinion_weight, wheel_weight : ndarray, shape (n, p)
         Derivatives of the transmission error over the index errors of both teeth of each pair.
     teeth : (int, int)
@@ -53,6 +55,7 @@ class StaticTurns(Record):
     mesh_stiffness: Array
     first: Ints
     force: Array
+    wheel_moment: Array
     pinion_weight: Array
     wheel_weight: Array
     teeth: tuple[int, int]
@@ -215,14 +218,14 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
     stack = turns.stack(pitches)
     shape = (angle.size, stack.count)
     error, slope, first = np.full(angle.size, np.nan), np.zeros(angle.size), np.zeros(angle.size, np.int64)
-    force, weight1, weight2 = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    force, moment, weight1, weight2 = np.zeros(shape), np.zeros(angle.size), np.zeros(shape), np.zeros(shape)
     late = placement.pinion_late, placement.wheel_late
     base = pair.pinion.base_radius
     size = pair.face_width, base, pair.wheel.base_radius, 1.0 / (base * pair.pinion.pitch_angle)
     gap = runout_gap(placement, angle)[0]
     tables = stack.arrays(float(levels(pair.pinion.module)[0]), late)
     failed = kernels().share(
-        pitches, load, gap, float(friction), placement.support, *size, *tables, error, slope, first, force, weight1, weight2
+        pitches, load, gap, float(friction), placement.support, *size, *tables, error, slope, first, force, moment, weight1, weight2
     )
     if failed >= 0:
         _fail(turns, load[failed], angle[failed], math.isfinite(error[failed]))
@@ -234,6 +237,7 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
         mesh_stiffness=1.0 / (slope * pair.pinion.base_radius),
         first=first,
         force=force,
+        wheel_moment=moment,
         pinion_weight=weight1,
         wheel_weight=weight2,
         teeth=turns.teeth,

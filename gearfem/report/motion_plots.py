@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gearfem.definition.setup import Setup
-from gearfem.dynamics.measures import LONGEST
 from gearfem.dynamics.record import ElasticMotion
 from gearfem.dynamics.sweep_record import Direction, Sweep
 from gearfem.foundation.units import RPM, UM
@@ -145,7 +144,7 @@ def plot_waterfall(sweep: Sweep, teeth: int) -> Figure:
     """
     names = sweep.directions
     figure, axes = style.make_figure((style.WIDE[0], 5.5), columns=len(names))
-    order = (np.arange(HIGHEST_ORDER * LONGEST) + 1) * teeth / LONGEST
+    end = HIGHEST_ORDER * teeth
     for axis, direction in zip(axes, names, strict=True):
         branch = sweep.branch(direction)
         chosen = branch[:: max(1, -(-len(branch) // MOST_SPECTRA))]
@@ -156,7 +155,10 @@ def plot_waterfall(sweep: Sweep, teeth: int) -> Figure:
         # From behind to the front, each hat hides what is behind it.
         for layer, (speed, point) in enumerate(zip(speeds[::-1], chosen[::-1], strict=True), start=3):
             some = np.flatnonzero(point.line_amplitude > 1e-3 * highest)
-            x = np.concatenate([[0.0], (order[some, None] + HAT * teeth * np.array([-1.0, 0.0, 1.0])).ravel(), [order[-1] + HAT * teeth]])
+            # Lines of single teeth stand closer than the lines of the mesh: their hats are narrower.
+            hat = min(HAT, 0.4 * float(np.diff(point.line_order[some]).min(initial=HAT))) * teeth
+            x = (teeth * point.line_order[some, None] + hat * np.array([-1.0, 0.0, 1.0])).ravel()
+            x = np.concatenate([[0.0], x, [end + HAT * teeth]])
             y = np.concatenate([[0.0], (height * point.line_amplitude[some, None] / highest * np.array([0.0, 1.0, 0.0])).ravel(), [0.0]])
             axis.fill_between(x, speed, speed + y, color="white", linewidth=0.0, zorder=layer)
             axis.plot(x, speed + y, color=colour, linewidth=0.7, zorder=layer)

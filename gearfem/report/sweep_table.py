@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.definition.setup import Setup
-from gearfem.dynamics.measures import HARMONICS, LONGEST
+from gearfem.dynamics.measures import HARMONICS
 from gearfem.dynamics.sweep_record import Sweep, SweepPoint
 from gearfem.foundation.files import write_csv
 from gearfem.foundation.units import factor
@@ -60,7 +60,8 @@ def write_sweep(sweep: Sweep, setup: Setup, out: Path) -> tuple[Path, Path]:
     `natural_frequency_Hz`; `dynamic_factor` the largest Kw and `dynamic_factor_min` the least; `mesh_force_*` the normal
     force of all pairs together; `transmission_error_rms_um` without its mean; `contact_loss` the part of the time without contact on
     the working flank and `back_contact` that on the back flank; `period_cycles` the mesh cycles after which the motion repeats, 0
-    where it does not (the row then holds statistics of 96 cycles); `growth_per_cycle` the largest Floquet multiplier per
+    where it does not (the row then holds statistics of 96 cycles), and where teeth differ those after which the same ones meet again;
+    `growth_per_cycle` the largest Floquet multiplier per
     cycle, or the mean growth of neighbouring motions; then `te_harmonic_n_um` and `te_harmonic_n_phase_rad`, n = 1 to 6, of the
     dynamic transmission error A cos(n z1 phi1 + phase), angle 0 being pair 0 at the pitch point.
     In sweep_spectrum.csv `order` counts per turn of the pinion; lines without amplitude are left out.
@@ -80,11 +81,10 @@ def write_sweep(sweep: Sweep, setup: Setup, out: Path) -> tuple[Path, Path]:
 
 
 def _spectra(sweep: Sweep, setup: Setup) -> dict[str, ArrayLike]:
-    lines = np.array([point.line_amplitude for point in sweep.points])
-    row, line = np.nonzero(lines)
+    lines = [(point, number) for point in sweep.points for number in np.flatnonzero(point.line_amplitude)]
     return {
-        "pinion_speed_rpm": np.array([point.pinion_speed for point in sweep.points])[row] / factor("_rpm"),
-        "direction": np.array([point.direction for point in sweep.points])[row],
-        "order": (line + 1) * setup.pair.pinion.teeth / LONGEST,
-        "transmission_error_um": lines[row, line] / factor("_um"),
+        "pinion_speed_rpm": np.array([point.pinion_speed for point, _ in lines]) / factor("_rpm"),
+        "direction": np.array([point.direction for point, _ in lines]),
+        "order": np.array([point.line_order[number] for point, number in lines]) * setup.pair.pinion.teeth,
+        "transmission_error_um": np.array([point.line_amplitude[number] for point, number in lines]) / factor("_um"),
     }
