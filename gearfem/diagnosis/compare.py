@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign
@@ -11,6 +12,7 @@ from gearfem.diagnosis.fit import ROUNDS, Fit
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import BenchOf, Problem
+from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.zero import guess_zero
 from gearfem.foundation.progress import Progress, quiet
@@ -52,14 +54,15 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     """
     records, pair = campaign.of("fit"), campaign.setup.pair
     noises = tuple(measure_noise(record, pair) for record in records)
-    rough = Problem(campaign, records, noises, scatter or Scatter(), bench)
+    make: BenchOf = bench or partial(bench_of, campaign)
+    rough = Problem(campaign, records, noises, scatter or Scatter(), lambda effects: dataclasses.replace(make(effects), errors=()))
     refuse_magnitudes(campaign, rough.bench(()))
     level = dataclasses.replace(neutral(pair), angle_offset=_zero(rough, progress))
     progress("nuisances", 0, 3)
     found = _fit(rough, level, ROUGH)
     explained = (record.value - left for record, left in zip(records, found.left, strict=True))
     noises = tuple(measure_noise(record, pair, part) for record, part in zip(records, explained, strict=True))
-    problem = Problem(campaign, records, noises, scatter or Scatter(terms=TERMS), bench)
+    problem = Problem(campaign, records, noises, scatter or Scatter(terms=TERMS), make)
     progress("nuisances", 1, 3)
     early = _fit(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset), EARLY)
     progress("nuisances", 2, 3)

@@ -11,7 +11,7 @@ from gearfem.assembly import assemble
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Oscillator, Settings, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.variants import VARIANTS
+from gearfem.diagnosis.variants import VARIANTS, Variant
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import standard_angles
 from gearfem.engagement.turns import Turns, static
@@ -28,6 +28,8 @@ class SystemBench(Record):
     ----------
     system : System
         From `gearfem.assembly.assemble`.
+    errors : tuple of Variant, optional
+        How this model may be wrong; none for a rough fit.
 
     Notes
     -----
@@ -38,6 +40,7 @@ class SystemBench(Record):
     """
 
     system: System
+    errors: tuple[Variant, ...] = VARIANTS
 
     @property
     def pair(self) -> GearPair:
@@ -46,8 +49,8 @@ class SystemBench(Record):
 
     @cached_property
     def variants(self) -> tuple[SystemBench, ...]:
-        """The same model with each of the errors that ours may have, at one standard deviation."""
-        return tuple(SystemBench(system=variant.change(self.system)) for variant in VARIANTS)
+        """The same model with each of its errors, at one standard deviation."""
+        return tuple(SystemBench(system=variant.change(self.system), errors=()) for variant in self.errors)
 
     def predict(self, record: Measurement, settings: Settings) -> Array:
         """Return what the record would read [SI], shape (n,)."""

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from gearfem.foundation import Array, Record
 
@@ -57,8 +56,9 @@ class Whitener(Record):
         if not values.size:
             return values
         order = len(self.deviation) - 1
-        taps = np.concatenate([[1.0], -self.predictor[order]])
-        white: Array = np.asarray(lfilter(taps, [1.0], values, axis=0)) / self.deviation[order]
+        white: Array = values / self.deviation[order]
+        for k, share in enumerate(self.predictor[order] / self.deviation[order], 1):
+            white[k:] -= share * values[:-k]
         for k in range(min(order, len(values))):
             white[k] = (values[k] - np.tensordot(self.predictor[k, :k], values[:k][::-1], axes=1)) / self.deviation[k]
         return white
