@@ -136,30 +136,32 @@ def localise(comparison: Comparison, fit: Fit | None = None, draws: int = DRAWS,
     """
     fit = fit or comparison.alone
     sheets = sheets_of(comparison.problem, fit.settings.angle_offset)
-    data = [_root(sheet, fit.white[:, None])[:, 0] for sheet in sheets]
-    drawn: list[list[Array]] = [[] for _ in sheets]
+    tables = _tables(comparison.problem.whole.weighed(fit.point.weights), sheets, draws, seed, progress)
+    maps, peaks = [], np.full(draws, -np.inf)
+    for sheet, table in zip(sheets, tables, strict=True):
+        mean, spread = table.mean(axis=0), np.maximum(table.std(axis=0, ddof=1), 1e-12)
+        peaks = np.maximum(peaks, ((table - mean) / spread).max(axis=1))
+        maps.append(_map(sheet, _root(sheet, fit.white[:, None])[:, 0], mean, spread, (table**2).mean(axis=0)))
+    largest = max(float(one.significance.max()) for one in maps)
+    p_value = (1.0 + float(np.count_nonzero(peaks >= largest))) / (draws + 1.0)
+    gap = p_value < CHANCE
+    where = _ranked(maps, float(np.quantile(peaks, 1.0 - CHANCE))) if gap else ()
+    return Localisation(
+        maps=tuple(maps), where=where, largest=largest, p_value=p_value, gap=gap, draws=draws, sentence=_sentence(gap, p_value, where)
+    )
+
+
+def _tables(whole: Marginal, sheets: list[Sheet], draws: int, seed: int, progress: Progress) -> list[Array]:
+    """Return the root power of the cells of each sheet in every draw, shapes (draws, c)."""
     rng = np.random.default_rng(seed)
-    whole = comparison.problem.whole.weighed(fit.point.weights)
+    drawn: list[list[Array]] = [[] for _ in sheets]
     for done in range(0, draws, SLICE):
         progress("draws of noise", done, draws)
         left = _draws(whole, min(SLICE, draws - done), rng)
         for place, sheet in enumerate(sheets):
             drawn[place].append(_root(sheet, left))
     progress("draws of noise", draws, draws)
-    maps, peaks = [], np.full(draws, -np.inf)
-    for sheet, own, many in zip(sheets, data, drawn, strict=True):
-        table = np.concatenate(many, axis=1).T
-        mean, spread = table.mean(axis=0), np.maximum(table.std(axis=0, ddof=1), 1e-12)
-        peaks = np.maximum(peaks, ((table - mean) / spread).max(axis=1))
-        maps.append(_map(sheet, own, mean, spread, (table**2).mean(axis=0)))
-    largest = max(float(one.significance.max()) for one in maps)
-    p_value = (1.0 + float(np.count_nonzero(peaks >= largest))) / (draws + 1.0)
-    gap = p_value < CHANCE
-    limit = float(np.quantile(peaks, 1.0 - CHANCE))
-    where = _ranked(maps, limit) if gap else ()
-    return Localisation(
-        maps=tuple(maps), where=where, largest=largest, p_value=p_value, gap=gap, draws=draws, sentence=_sentence(gap, p_value, where)
-    )
+    return [np.concatenate(many, axis=1).T for many in drawn]
 
 
 def _draws(whole: Marginal, count: int, rng: np.random.Generator) -> Array:

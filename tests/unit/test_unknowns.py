@@ -1,0 +1,72 @@
+"""The unknowns of a fit and the settings of the model say the same."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.teeth import Scatter
+from gearfem.diagnosis.unknowns import unknowns_of
+from gearfem.model import make_setup
+
+SETUP = make_setup(
+    {
+        "pair": {"module_mm": 2.5, "face_width_mm": 25.0},
+        "pinion": {"teeth": 13},
+        "wheel": {"teeth": 17},
+        "operation": {"pinion_torque_Nm": 100.0, "pinion_speed_rpm": 1000.0},
+    }
+)
+
+
+def record(quantity: str) -> Measurement:
+    axis = np.linspace(0.0, 1.0, 50)
+    return Measurement(
+        file=f"{quantity}.csv",
+        quantity=QUANTITIES[quantity],
+        axis=axis,
+        value=np.zeros(50),
+        line=np.arange(50),
+        keep=np.ones(50, bool),
+        pinion_torque=50.0,
+        pinion_speed=100.0,
+    )
+
+
+def test_settings_are_found_again_from_their_unknowns() -> None:
+    rng = np.random.default_rng(3)
+    records = (record("pinion_angular_acceleration"), record("static_transmission_error"))
+    campaign = Campaign(name="a", path="a.toml", model="m.toml", setup=SETUP, angle_known=False, records=records)
+    unknowns = unknowns_of(campaign, records, Scatter(terms=3))
+    settings = Settings(
+        pinion_late=rng.normal(0.0, 1e-6, 13),
+        wheel_late=rng.normal(0.0, 1e-6, 17),
+        angle_offset=-0.02,
+        torque_scale=1.02,
+        stiffness_scale=0.9,
+        inertia_scale=1.01,
+        damping_scale=1.4,
+        gain=0.98,
+    )
+    unknown = unknowns.of(settings)
+    again = unknowns.settings(unknown)
+    for field in dataclasses.fields(Settings):
+        assert getattr(again, field.name) == pytest.approx(getattr(settings, field.name), rel=1e-12, abs=0.0), field.name
+    # Five scales and the zero, one constant, and four unknowns of each tooth, of which the index error is the first.
+    assert (unknowns.outer, unknowns.first_tooth, unknowns.first_form) == (6, 7, 7 + 4 * 30)
+    assert unknown[7:11] == pytest.approx([settings.pinion_late[0] / 1e-6, 0.0, 0.0, 0.0], rel=1e-12, abs=0.0)
+    assert sorted([*range(unknowns.first_form)[unknowns.late], *unknowns.wavy]) == [*range(7, 127)]
+
+
+def test_only_records_with_an_unknown_constant_have_one() -> None:
+    records = (record("pinion_angular_acceleration"), record("static_transmission_error"))
+    campaign = Campaign(name="a", path="a.toml", model="m.toml", setup=SETUP, angle_known=True, records=records)
+    unknowns = unknowns_of(campaign, records, Scatter())
+    unknown = np.arange(float(unknowns.first_form))
+    assert unknowns.constant(0, unknown) == 0.0
+    assert unknowns.constant(1, unknown) == unknown[unknowns.outer]
