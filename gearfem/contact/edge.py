@@ -158,9 +158,9 @@ class EdgedLine(Record):
         narrowing = self.hertz.narrowing(force, effective.radius, line.depth1, line.depth2)
         return slope + (0.5 - effective.growth) * narrowing
 
-    def beside(self, distance: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
-        """Return the approach beside a contact per load on it [m per N/m]; as `HertzLine.beside`."""
-        return self.hertz.beside(distance, depth1, depth2)
+    def beside(self, force_per_width: ArrayLike, distance: ArrayLike, line: Line) -> Array:
+        """Return the approach at a distance [m] beside a contact on the flanks, per load on it [m per N/m]; as `HertzLine.beside`."""
+        return self.hertz.beside(force_per_width, distance, line.radius, line.depth1, line.depth2)
 
     def _effective(self, force_per_width: ArrayLike, line: Line) -> _Effective:
         flank, edge_radius = positive("radius", line.radius), positive("edge_radius", line.edge_radius)

@@ -173,11 +173,13 @@ class HertzLine(Record):
         first = _narrowing(width, not_negative("depth1", depth1), self.pinion)
         return first + _narrowing(width, not_negative("depth2", depth2), self.wheel)
 
-    def beside(self, distance: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
+    def beside(self, force_per_width: ArrayLike, distance: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
         """Return by how much the bodies come closer beside a line contact, per load on it.
 
         Parameters
         ----------
+        force_per_width, radius : array_like, shape (...)
+            Line load [N/m] and equivalent radius [m] that give the width of the contact, as in `half_width`.
         distance : array_like, shape (...)
             From the contact, along the surface [m], positive.
         depth1, depth2 : array_like, shape (...)
@@ -186,19 +188,20 @@ class HertzLine(Record):
         Returns
         -------
         ndarray, shape (...)
-            Approach per line load [m per N/m], linear in the load.
+            Approach per line load [m per N/m]; for a given width linear in the load.
 
         Raises
         ------
         InputError
-            If a depth is negative, a distance is not positive, or one is not finite.
+            If a load or depth is negative, a radius or distance is not positive, or one is not finite.
 
         Notes
         -----
         Half spaces under a line load (Flamant): with r^2 = s^2 + d^2 each body gives 2 (1 - nu^2)/(pi E) [ln(r/s) - (d/r)^2 /
-        (2 (1 - nu))] (derived here). The band's width changes ln(s) by (a/s)^2/8: below 2 % beyond 3 half widths, 12 % of 1 at one.
+        (2 (1 - nu))] (derived here). A contact of half width a has s^2 + a^2/4 for s^2, which at its own middle is the slope of its
+        approach for d >> a, so that nothing yields more beside a load than under it; the bracket errs by less than (a/s)^2/4.
         """
-        aside = positive("distance", distance)
+        aside = np.hypot(positive("distance", distance), 0.5 * self.half_width(force_per_width, radius))
         first = _beside(aside, not_negative("depth1", depth1), self.pinion)
         return first + _beside(aside, not_negative("depth2", depth2), self.wheel)
 

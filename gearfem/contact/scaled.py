@@ -44,9 +44,9 @@ class ScaledLaw(Record):
         """Return the slope of the approach [m per N/m]; arguments and errors as `EdgedLine.compliance`."""
         return self.scale * self.law.compliance(force_per_width, line)
 
-    def beside(self, distance: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
-        """Return the approach beside a contact per load on it [m per N/m]; as `HertzLine.beside`."""
-        return self.scale * self.law.beside(distance, depth1, depth2)
+    def beside(self, force_per_width: ArrayLike, distance: ArrayLike, line: Line) -> Array:
+        """Return the approach beside a contact, per load on it [m per N/m]; arguments and errors as `EdgedLine.beside`."""
+        return self.scale * self.law.beside(force_per_width, distance, line)
 
 
 Law: TypeAlias = EdgedLine | ScaledLaw

@@ -60,7 +60,7 @@ def error_carpet(mesh: Mesh, pinion_angle: Array, torque: float, progress: Progr
         If any angle does not converge.
     """
     contacts = mesh.touching(mesh.contacts(np.asarray(pinion_angle, float)))
-    system = mesh.system(contacts)
+    system = mesh.system(contacts, ABOVE * torque)
     unloaded = system.gap.min(axis=1)
     operating = share_torque(system, mesh.law, torque).transmission_error - unloaded
     top = min(ABOVE * torque, largest_torque(mesh, torque, float(operating.max())))

@@ -14,7 +14,7 @@ from gearfem.contact.peak import largest_pressure
 from gearfem.engagement.contacts import REACH, find_contacts, find_second_contacts, join
 from gearfem.engagement.record import Contacts, Engagement, MeshForce
 from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
-from gearfem.engagement.teeth import PairCompliance, read_compliance
+from gearfem.engagement.teeth import read_compliance
 from gearfem.engagement.width import FaceSlices, LeadTable, lead_table
 from gearfem.flank import Flanks
 from gearfem.foundation import Array, InputError, Record
@@ -73,32 +73,37 @@ class Mesh(Record):
         """Return first contacts and, beside them, the second ones of pairs that touch on both sides of a hollow."""
         return join(contacts, find_second_contacts(self.flanks, self.placement, contacts.pinion_angle, contacts.pairs))
 
-    def system(self, contacts: Contacts) -> PairSystem:
-        """Return the pairs at these contacts, ready to be loaded."""
+    def system(self, contacts: Contacts, torque: float = 0.0) -> PairSystem:
+        """Return the pairs at these contacts, ready to be loaded; pairs that touch twice by at most a torque on the pinion [N m]."""
         pair = self.placement.pair
         read = read_compliance(self.compliance, contacts)
-        lever = contacts.arm2 / pair.wheel.base_radius
+        lever, arm = contacts.arm2 / pair.wheel.base_radius, contacts.arm1 * pair.face_width
         # Supports move with the sum of all loads and put every pair off by the same lag.
         supports = self.placement.support * pair.face_width * lever[:, :, None] * lever[:, None, :]
+        line = Line(contacts.flank_radius, read.depth1, read.depth2, contacts.edge, contacts.edge_radius)
         lead = self.lead
         return PairSystem(
-            linear=read.linear + supports + self._beside(contacts, read),
+            linear=read.linear + supports + self._beside(contacts, line, torque / arm),
             lever=lever,
-            arm=contacts.arm1 * pair.face_width,
+            arm=arm,
             gap=self.gap(contacts),
-            line=Line(contacts.flank_radius, read.depth1, read.depth2, contacts.edge, contacts.edge_radius),
+            line=line,
             lead=None if lead is None else lead.at(self.position(contacts)),
         )
 
-    def _beside(self, contacts: Contacts, read: PairCompliance) -> Array:
-        """Return what contact gives between the two touches of a pair [m per N/m], shape (n, p, p); 0 between pairs."""
-        beside = np.zeros_like(read.linear)
-        for j, k in itertools.permutations(range(len(contacts.pairs)), 2):
+    def _beside(self, contacts: Contacts, line: Line, force: Array) -> Array:
+        """Return what contact gives between the touches of a pair [m per N/m], shape (n, p, p); 0 between pairs."""
+        count = len(contacts.pairs)
+        beside = np.zeros((len(force), count, count))
+        for j, k in itertools.permutations(range(count), 2):
             both = contacts.reach[:, j] & contacts.reach[:, k]
             if contacts.pairs[j] == contacts.pairs[k] and both.any():
                 distance = np.hypot(*(contacts.point[both, j] - contacts.point[both, k]).T)
-                depths = (0.5 * (depth[both, j] + depth[both, k]) for depth in (read.depth1, read.depth2))
-                beside[both, j, k] = self.law.beside(distance, *depths)
+                # The wider contact of both, and the mean of their depths: what one yields under the other is the same both ways.
+                one, other = (Line(*(values[both, column] for values in line)) for column in (j, k))
+                depths = {name: 0.5 * (getattr(one, name) + getattr(other, name)) for name in ("depth1", "depth2")}
+                wide = one._replace(radius=np.maximum(one.radius, other.radius), **depths)
+                beside[both, j, k] = self.law.beside(np.maximum(force[both, j], force[both, k]), distance, wide)
         return beside
 
     def gap(self, contacts: Contacts) -> Array:
@@ -199,7 +204,7 @@ def largest_torque(mesh: Mesh, torque: float, error: float) -> float:
 
 def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> tuple[Contacts, Sharing]:
     contacts = mesh.touching(find_contacts(mesh.flanks, mesh.placement, angle, pairs))
-    return contacts, share_torque(mesh.system(contacts), mesh.law, torque)
+    return contacts, share_torque(mesh.system(contacts, torque), mesh.law, torque)
 
 
 def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
@@ -254,7 +259,7 @@ def mesh_force(mesh: Mesh, torque: float, steps: int = 240, levels: int = 48) ->
     pitch = pair.pinion.pitch_angle
     angle = (np.arange(steps) + 0.5) / steps * pitch
     contacts = mesh.touching(mesh.contacts(angle))
-    system = mesh.system(contacts)
+    system = mesh.system(contacts, LARGEST_OVERLOAD * torque)
     operating = share_torque(system, mesh.law, torque)
     unloaded = system.gap.min(axis=1)
     deflection = _levels(unloaded, operating.transmission_error, levels)

@@ -25,8 +25,8 @@ class LineLaw(Protocol):
     def compliance(self, force: Array, line: Line, /) -> Array:
         """Return the slope of the approach [m per N/m]."""
 
-    def beside(self, distance: Array, depth1: Array, depth2: Array, /) -> Array:
-        """Return the approach at a distance [m] beside a contact, per load on it [m per N/m]."""
+    def beside(self, force: Array, distance: Array, line: Line, /) -> Array:
+        """Return the approach at a distance [m] beside a contact as wide as under a line load [N/m], per load on it [m per N/m]."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

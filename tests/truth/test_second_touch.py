@@ -61,9 +61,9 @@ def strips(load: float, behind: float, cells: int = 1200) -> tuple[float, float]
 
 @pytest.mark.parametrize(("load", "behind"), [(1e5, 0.3e-6), (3.5e5, 0.0), (3.5e5, 1e-6), (3.5e5, 2.5e-6)])
 def test_two_ridges_share_as_half_spaces_in_strips_do(load, behind):
-    beside = float(LAW.beside(APART, DEPTH, DEPTH))
     row = np.ones((1, 2))
     line = Line(RADIUS * row, DEPTH * row, DEPTH * row, row, 1e-4 * row)
+    beside = float(LAW.beside(load, APART, Line(*(values[0, 0] for values in line))))
     system = PairSystem(linear=np.array([[[RIGID, beside], [beside, RIGID]]]), lever=row, arm=row, gap=np.array([[0.0, behind]]), line=line)
     shared = share_torque(system, LAW, load)
     approach, share = strips(load, behind)
@@ -72,6 +72,16 @@ def test_two_ridges_share_as_half_spaces_in_strips_do(load, behind):
     assert shared.force[0, 0] / load == pytest.approx(share, rel=0.0, abs=0.02)
     alone = float(LAW.approach(load, Line(*(values[0, 0] for values in line))))
     assert approach < 0.97 * alone
+
+
+def test_nothing_yields_more_beside_a_load_than_under_it():
+    line = Line(*map(np.array, (0.3, 4e-3, 6e-3, 1.0, 1e-4)))
+    under = LAW.compliance(3.5e5, line)
+    beside = LAW.beside(3.5e5, np.array([1e-7, 1e-4, 5e-4, 2e-3]), line)
+    assert (np.diff(beside) < 0.0).all()
+    # The half width is 1.1 mm, a quarter of the depth: terms of (a/d)^2.
+    assert beside[0] == pytest.approx(float(under), rel=0.03, abs=0.0)
+    assert beside[0] < under * (1.0 + 1e-3)
 
 
 def test_strips_are_hertz_under_one_ridge():
@@ -89,7 +99,7 @@ def test_a_contact_does_not_jump_over_a_hollow_under_load(worn):
     assert np.abs(np.diff(first.u1[:, first.pairs.index(0)])).max() > 0.04
     step = {}
     for name, contacts in {"one": first, "two": mesh.touching(first)}.items():
-        error = share_torque(mesh.system(contacts), mesh.law, torque).transmission_error
+        error = share_torque(mesh.system(contacts, torque), mesh.law, torque).transmission_error
         step[name] = np.abs(np.diff(error, 2)).max()
     assert step["one"] > 3e-7
     assert step["two"] < 1e-8
@@ -103,7 +113,7 @@ def test_load_leaves_a_hollow_that_closes_by_degrees(number):
     angle = np.linspace(0.0, 1.0, 4001) * mesh.placement.pair.pinion.pitch_angle
     first = mesh.contacts(angle)
     one, several = (
-        share_torque(mesh.system(contacts), mesh.law, system.drive.pinion_torque).transmission_error
+        share_torque(mesh.system(contacts, system.drive.pinion_torque), mesh.law, system.drive.pinion_torque).transmission_error
         for contacts in (first, mesh.touching(first))
     )
     assert np.abs(np.diff(one, 2)).max() > 2e-6
