@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from gearfem.assembly import assemble, flanks_of
+from gearfem.assembly import assemble, effects_in, flanks_of
 from gearfem.assumptions import even, of_flanks, of_system, uneven_sentence
 from gearfem.compliance import (
     Bore,
@@ -24,6 +24,7 @@ from gearfem.compliance import (
 )
 from gearfem.compliance.record import Compliance, ComplianceCurve
 from gearfem.compliance.solid_curve import QUICK
+from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, rigid_motion, unloaded_transport, wheel_torque_sentence
 from gearfem.dynamics.periodic import kinked
@@ -34,7 +35,7 @@ from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
 from gearfem.engagement.record import Engagement, MeshForce
 from gearfem.engagement.turns import Turns
 from gearfem.flank import Flanks
-from gearfem.foundation import Array, Record
+from gearfem.foundation import Array, Record, digest
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.sensing import System
 
@@ -182,6 +183,34 @@ def compare_methods(flanks: Flanks, face_width: float, progress: Progress = quie
     return tuple(curves)
 
 
+def with_effects(setup: Setup) -> tuple[tuple[Member, ComplianceCurve], ...]:
+    """Return the compliance that the effects of a model leave, of the whole gears, where it is not the one without them.
+
+    Parameters
+    ----------
+    setup : Setup
+        The model.
+
+    Returns
+    -------
+    tuple of (member, ComplianceCurve)
+        Of a gear whose bodies an effect changes, one tooth like most (method ``... with effects``); then each tooth that differs (``...
+        tooth n``). Errors are those of the mesh of the tooth without a crack.
+    """
+    compliance = assemble(setup).compliance
+    plain = tuple(effect for effect in effects_in(setup) if effect.stage == "flank")
+    before = assemble(dataclasses.replace(setup, effects=plain, calibration=Calibration())).compliance
+    method = FiniteElements()
+    found: list[tuple[Member, ComplianceCurve]] = []
+    for member in MEMBERS:
+        usual = compliance.of(member)
+        named = [] if digest(usual) == digest(before.of(member)) else [("with effects", usual)]
+        for words, curve in (*named, *((f"tooth {number}", tooth) for number, tooth in sorted(compliance.odd(member).items()))):
+            own = with_error(method, curve.outline, curve)
+            found.append((member, dataclasses.replace(own, method=f"{curve.method} {words}")))
+    return tuple(found)
+
+
 def _with_compliance(results: Results, comparison: bool, progress: Progress) -> Results:
     system = assemble(results.setup)
     compliance = system.compliance
@@ -196,9 +225,14 @@ def _with_compliance(results: Results, comparison: bool, progress: Progress) -> 
         compliance=compliance,
         mesh=system.mesh,
         system=system,
-        comparison=compare_methods(results.flanks, pair.face_width, progress) if comparison else (),
+        comparison=(*compare_methods(results.flanks, pair.face_width, progress), *_odd(results.setup)) if comparison else (),
         assumptions=results.assumptions + of_system(system),
     )
+
+
+def _odd(setup: Setup) -> tuple[tuple[Member, ComplianceCurve], ...]:
+    """Return the teeth that differ; those like most are the compliance stage itself."""
+    return tuple((member, curve) for member, curve in with_effects(setup) if not curve.method.endswith("with effects"))
 
 
 def _with_engagement(results: Results, torque: float, angles: Array | None) -> Results:

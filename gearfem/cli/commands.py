@@ -253,7 +253,8 @@ def dynamics(
 @main.command(short_help="Pictures of the loaded, deformed teeth.")
 @_model_command
 @click.option("--gear", type=GEARS, default=None, help="One gear; by default both.")
-def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None) -> None:
+@click.option("--tooth", type=int, default=None, metavar="N", help="With --gear: tooth N, with its own flank; by default one like most.")
+def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None, tooth: int | None) -> None:
     """Draw the loaded, deformed tooth of each gear: tooth_*.png, and tooth_*.vtu for ParaView.
 
     The tooth carries the whole torque at the end of one-pair contact, or, where two pairs always carry, one base pitch above
@@ -267,14 +268,17 @@ def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None) -
     from gearfem.cli import steps
 
     target = folder(out)
+    if tooth is not None and gear is None:
+        raise InputError("--tooth", "no --gear", "a tooth together with its gear, --gear pinion or --gear wheel")
     setup = _load(model, overrides)
     with Bars() as progress:
-        done = steps.render(setup, target, (gear,) if gear else ("pinion", "wheel"), progress)
+        done = steps.render(setup, target, (gear,) if gear else ("pinion", "wheel"), progress, tooth)
     steps.say(done)
 
 
 @main.command(short_help="Finite-element meshes for other programs.")
 @_model
+@_effects
 @click.option("--out", required=True, metavar="PATH", help="A folder, or one file: *.vtu, *.vtk, *.msh, *.inp, *.xdmf ...")
 @_sets
 @click.option("--dim", type=int, default=2, show_default=True, help="2: the section of the tooth; 3: the tooth over its face width.")
@@ -286,8 +290,13 @@ def render(model: str, out: str, overrides: tuple[str, ...], gear: str | None) -
     default=None,
     help="Elements along each side against half-module ones, up to 20; by default 3, of solids 1.5.",
 )
-def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str | None, support: str, resolution: float | None) -> None:
+@click.option("--tooth", type=int, default=None, metavar="N", help="Tooth N, with its own flank and its crack; by default one like most.")
+def mesh(
+    model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str | None, support: str, resolution: float | None, tooth: int | None
+) -> None:
     """Write the finite-element mesh of one tooth with its sector of the gear, mesh_*.vtu.
+
+    A root crack is a seam whose two faces share places but no nodes: the boundary set `crack`, of sections.
 
     \b
     Units: mm. Boundary sets `bore` (or `root`) and `flank`: physical groups in *.msh, node sets in *.inp, and in *.vtu,
@@ -301,11 +310,13 @@ def mesh(model: str, out: str, overrides: tuple[str, ...], dim: int, gear: str |
 
     if not out.strip():
         folder(out)
+    if tooth is not None and gear is None:
+        raise InputError("--tooth", "no --gear", "a tooth together with its gear, --gear pinion or --gear wheel")
     targets = meshes.targets(out, gear, dim)
     for path in targets.values():
         folder(str(Path(path).parent))
     setup = _load(model, overrides)
-    steps.say(meshes.write(setup, targets, support, dim, resolution))
+    steps.say(meshes.write(setup, targets, support, dim, resolution, tooth))
 
 
 @main.command(short_help="Flanks worn over some hours of operation.")

@@ -12,6 +12,7 @@ import click
 import numpy as np
 
 from gearfem.assembly import flanks_of
+from gearfem.cli.notices import ENGAGED, MOVING, SHAPES, TEETH, unseen
 from gearfem.compliance import (
     Bore,
     Castigliano,
@@ -30,7 +31,6 @@ from gearfem.compliance.body import BodyCompliance
 from gearfem.compliance.record import ComplianceCurve
 from gearfem.compliance.solid_curve import QUICK
 from gearfem.definition.setup import GearPair, Member, Setup
-from gearfem.effects import Effect
 from gearfem.engagement.carpet import error_carpet
 from gearfem.engagement.engage import engage
 from gearfem.engagement.width_load import load_over_width
@@ -38,7 +38,7 @@ from gearfem.flank import Flanks, Outline
 from gearfem.foundation import Array, InputError
 from gearfem.foundation.progress import Progress
 from gearfem.foundation.units import N_PER_MM_UM, UM_PER_N_PER_MM
-from gearfem.pipeline import Results
+from gearfem.pipeline import Results, with_effects
 from gearfem.pipeline import run as run_chain
 from gearfem.report import (
     Rendering,
@@ -104,7 +104,7 @@ def everything(setup: Setup, out: Path, progress: Progress) -> Done:
     files.append(write_report(results, out, rendering=renderings[0], pictures=pictures))
     progress("pictures", 3, 3)
     notices = sorted({rendering.notice for rendering in renderings if rendering.notice})
-    return Done(_numbers(results) + _left_out_lines(results) + notices, files)
+    return Done(_numbers(results) + _left_out_lines(results) + notices + unseen(setup, MOVING), files)
 
 
 def compliance(setup: Setup, out: Path, support: str, solid: bool, progress: Progress) -> Done:
@@ -145,9 +145,11 @@ def compliance(setup: Setup, out: Path, support: str, solid: bool, progress: Pro
     progress("compliance", len(jobs), len(jobs))
     if whole and not solid:
         lines.append("fe_3d is left out: the whole gears as solids take minutes, --solid asks for them")
-    beyond = [effect.name for effect in setup.effects if isinstance(effect, Effect) and effect.stage == "compliance"]
-    if beyond:
-        lines.append(f"the methods are compared on gears without {' and '.join(beyond)}; gearfem run and stiffness have it in")
+    for member, curve in with_effects(setup):
+        curves.append((member, curve))
+        low, high = curve.deflection.min() / UM_PER_N_PER_MM, curve.deflection.max() / UM_PER_N_PER_MM
+        lines.append(f"{member}, {curve.method}, {curve.support}: {low:.5f} to {high:.5f} um per N/mm")
+    lines += unseen(setup, TEETH, lead=False)
     results = Results(setup=setup, flanks=flanks, comparison=tuple(curves), assumptions=setup.assumptions)
     parts = _bodies(flanks)
     return Done(
@@ -189,7 +191,7 @@ def stiffness(setup: Setup, out: Path, steps: int, torques: Sequence[float], pro
         files += write_hunting(setup, results.mesh, wanted[0], out)
         progress("all tooth combinations", 1, 1)
         lines.append(f"teeth differ: the same ones meet again after {pitches} pitches, over which hunting.csv runs at {wanted[0]:g} N m")
-    return Done(list(dict.fromkeys(lines)), files)
+    return Done([*dict.fromkeys(lines), *unseen(setup, ENGAGED)], files)
 
 
 def kinematics(setup: Setup, out: Path, steps: int, pitches: tuple[float, float], gif: bool, progress: Progress) -> Done:
@@ -207,7 +209,7 @@ def kinematics(setup: Setup, out: Path, steps: int, pitches: tuple[float, float]
         progress("animation", 0, 1)
         files.append(write_animation(results, out))
         progress("animation", 1, 1)
-    return Done(_numbers(results), files)
+    return Done([*_numbers(results), *unseen(setup, ENGAGED)], files)
 
 
 def dynamics(setup: Setup, out: Path, progress: Progress) -> Done:
@@ -215,22 +217,22 @@ def dynamics(setup: Setup, out: Path, progress: Progress) -> Done:
     results = run_chain(setup, progress=progress)
     assert results.elastic is not None
     files = [*write_dynamics(results, out), *write_motion_pictures(results.elastic, setup, out)]
-    return Done(_numbers(results), files)
+    return Done([*_numbers(results), *unseen(setup, MOVING)], files)
 
 
-def render(setup: Setup, out: Path, members: Sequence[str], progress: Progress) -> Done:
-    """Draw the loaded teeth."""
+def render(setup: Setup, out: Path, members: Sequence[str], progress: Progress, tooth: int | None = None) -> Done:
+    """Draw the loaded teeth: those like most, or one by its number."""
     flanks = flanks_of(setup)
     lines, files = [], []
     for number, member in enumerate(member for member in MEMBERS if member in members):
         progress("rendering", number, len(members))
-        rendering = _draw(setup, flanks, member, out)
+        rendering = _draw(setup, flanks, member, out, tooth)
         files += [rendering.path, rendering.path.with_suffix(".vtu")]
         lines += [f"{member}: {rendering.title}", *([rendering.notice] if rendering.notice else [])]
     progress("rendering", len(members), len(members))
     if setup.pair.contact_ratio >= 2.0:
         lines.append("the whole load is on one tooth in these pictures, although no pair of these gears ever carries it alone")
-    return Done(list(dict.fromkeys(lines)), files)
+    return Done([*dict.fromkeys(lines), *unseen(setup, SHAPES, lead=False)], files)
 
 
 # ---- parts ------------------------------------------------------------------------------------------
@@ -281,10 +283,14 @@ def _angles(pair: GearPair, steps: int) -> Array:
     return np.linspace(-1.0, 1.0, steps + 1) * pair.pinion.pitch_angle
 
 
-def _draw(setup: Setup, flanks: Flanks, member: Member, out: Path) -> Rendering:
+def _draw(setup: Setup, flanks: Flanks, member: Member, out: Path, tooth: int | None = None) -> Rendering:
     """Draw one tooth under the whole normal force at the outer end of one-pair contact."""
     pair = setup.pair
-    outline, mate = _outline(flanks, member), _outline(flanks, "wheel" if member == "pinion" else "pinion")
+    teeth = flanks.of(member).gear.teeth
+    if tooth is not None and not 0 <= tooth < teeth:
+        raise InputError("--tooth", tooth, f"0 to {teeth - 1}, the teeth of the {member}")
+    outline = _outline(flanks, member) if tooth is None else flanks.odd(member).get(tooth, flanks.of(member))
+    mate = _outline(flanks, "wheel" if member == "pinion" else "pinion")
     lowest = pair.centre_distance * math.sin(pair.working_pressure_angle) - mate.flank_end
     # One base pitch above the lowest point the next pair takes its share; a tooth without such a point is loaded at its tip.
     roll = min(lowest + pair.base_pitch, outline.flank_end)

@@ -14,6 +14,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from gearfem.assumptions import even
+from gearfem.cli.notices import MOVING, unseen
 from gearfem.cli.steps import Done
 from gearfem.definition.setup import Setup
 from gearfem.dynamics.record import DriveTrain
@@ -221,7 +222,7 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
     files += write_sweep_pictures(whole, setup, out)
     progress("pictures", 1, 1)
     partial.done()
-    return Done(_lines(setup, whole), files)
+    return Done([*_lines(setup, whole), *unseen(setup, MOVING)], files)
 
 
 def _excitation(setup: Setup, progress: Progress) -> tuple[MeshForce | Turns, DriveTrain]:

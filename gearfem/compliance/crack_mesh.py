@@ -54,6 +54,21 @@ class CrackedSection:
     upper: Ids
     lower: Ids
 
+    @property
+    def faces(self) -> Ids:
+        """Nodes of both faces of the open crack, its tip left out."""
+        return np.concatenate([self.seam, self.mesh.doflocs.shape[1] + np.arange(len(self.seam))])
+
+    @property
+    def points(self) -> Array:
+        """Nodes with the seam open [m], shape (n + s, 2)."""
+        places: Array = self.mesh.doflocs.T
+        return np.concatenate([places, places[self.seam]])
+
+    def flank(self) -> Ids:
+        """Return the nodes of the loaded side from the form circle to the middle of the tip round."""
+        return self.outline[(self.outline_u >= 2.0 - 1e-9) & (self.outline_u <= TOP + 1e-9)]
+
 
 def tangent_point(outline: Outline) -> float:
     """Return the parameter u of the point of the fillet where its tangent stands at 30 degrees to the tooth's axis.

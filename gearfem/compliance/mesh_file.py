@@ -11,6 +11,7 @@ import meshio
 import numpy as np
 import skfem
 
+from gearfem.compliance.crack_mesh import CrackedSection
 from gearfem.compliance.elasticity import ELEMENT
 from gearfem.compliance.patchwork import Ids
 from gearfem.compliance.section_mesh import SectionMesh
@@ -18,7 +19,7 @@ from gearfem.compliance.solid_mesh import SolidMesh
 from gearfem.foundation import Array, InputError
 from gearfem.foundation.units import MM
 
-HELD, FLANK = ("bore", "root"), "flank"
+HELD, FLANK, CRACK = ("bore", "root"), "flank", "crack"
 CELLS = {2: ("triangle", "triangle6", "quad", "quad8", "quad9"), 3: ("hexahedron", "hexahedron20", "hexahedron27")}
 SIDES = {2: ("line", "line3"), 3: ("quad", "quad8", "quad9")}
 # Corners, then middle nodes, of the faces of VTK's hexahedra, from outside; of eight-node ones the first four.
@@ -89,6 +90,35 @@ def section_file(section: SectionMesh, held: str) -> tuple[MeshFile, Sides]:
     edges = np.concatenate([cells[:, [0, 1, 4]], cells[:, [1, 2, 5]], cells[:, [2, 3, 6]], cells[:, [3, 0, 7]]])
     sets = {held: section.held, FLANK: section.flanks()}
     return MeshFile(section.mesh.doflocs.T / MM, [("quad9", cells)], sets), _outer("line3", edges, sets)
+
+
+def crack_file(section: CrackedSection) -> tuple[MeshFile, Sides]:
+    """Return the mesh of a sector with its crack open as a file holds it, in mm.
+
+    Parameters
+    ----------
+    section : CrackedSection
+        Held on its bore.
+
+    Returns
+    -------
+    mesh : MeshFile
+        Both faces of the crack, which share places but no nodes, are the set ``crack``; the flank set holds the loaded side.
+    sides : Sides
+        Edges.
+    """
+    cells = section.open_cells
+    edges = np.concatenate([cells[:, [0, 1, 4]], cells[:, [1, 2, 5]], cells[:, [2, 3, 6]], cells[:, [3, 0, 7]]])
+    tip = np.setdiff1d(_beside(edges, section.faces), section.faces)
+    sets = {"bore": section.held, FLANK: section.flank(), CRACK: np.concatenate([section.faces, tip])}
+    return MeshFile(section.points / MM, [("quad9", cells)], sets), _outer("line3", edges, sets)
+
+
+def _beside(edges: Ids, nodes: Ids) -> Ids:
+    """Return all nodes of free edges that hold some of these."""
+    _, index, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    free = edges[index[count == 1]]
+    return np.unique(free[np.isin(free[:, 2], nodes)])
 
 
 def solid_file(mesh: SolidMesh) -> tuple[MeshFile, Sides]:

@@ -11,7 +11,8 @@ from typing import Any
 import meshio
 import numpy as np
 
-from gearfem.compliance.mesh_file import FLANK, MeshFile, Sides, section_file, solid_file
+from gearfem.compliance.crack_mesh import CrackedSection
+from gearfem.compliance.mesh_file import MeshFile, Sides, crack_file, section_file, solid_file
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.compliance.solid_field import SolidField
 from gearfem.compliance.solid_mesh import SolidMesh, trilinear
@@ -70,13 +71,13 @@ def format_of(path: Path, dimension: int = 2) -> tuple[str, dict[str, Any]]:
     return FORMATS[path.suffix]
 
 
-def write_section(section: SectionMesh, held: str, path: Path) -> str:
+def write_section(section: SectionMesh | CrackedSection, held: str, path: Path) -> str:
     """Write a section mesh with its boundary sets, in a format by the ending of the file's name.
 
     Parameters
     ----------
     section, held
-        As for `section_file`.
+        As for `section_file`; a cracked sector is held on its bore and has the further set ``crack``.
     path : Path
         Ends in one of `FORMATS`.
 
@@ -102,11 +103,11 @@ def write_section(section: SectionMesh, held: str, path: Path) -> str:
     Other formats hold the elements alone; those without second-order elements hold their corners as first-order ones.
     """
     kind, _ = format_of(path)
-    mesh, sides = section_file(section, held)
+    mesh, sides = crack_file(section) if isinstance(section, CrackedSection) else section_file(section, held)
     if kind in BIQUADRATIC:
         return _write(mesh, sides, path, {})
     used, corners = np.unique(mesh.cells[0][1][:, :4], return_inverse=True)
-    said = _write(MeshFile(mesh.points[used], [("quad", corners.reshape(-1, 4))], {held: used[:0], FLANK: used[:0]}), sides, path, {})
+    said = _write(MeshFile(mesh.points[used], [("quad", corners.reshape(-1, 4))], dict.fromkeys(mesh.sets, used[:0])), sides, path, {})
     return f"{said}; no biquadratic elements either: their corners as bilinear ones"
 
 
@@ -155,21 +156,21 @@ def _write(mesh: MeshFile, sides: Sides, path: Path, values: dict[str, Array]) -
     kind, options = format_of(path, dimension)
     cells: list[tuple[str, Any]] = list(mesh.cells)
     arguments: dict[str, Any] = {}
-    said = "no boundary sets: this format has none"
+    said, names = "no boundary sets: this format has none", ", ".join(mesh.sets)
     if kind in BY_DATA:
         flags = {name: np.isin(np.arange(len(mesh.points)), ids).astype(np.int32) for name, ids in mesh.sets.items()}
         arguments["point_data"] = {**flags, "held": flags[held], **values}
-        said = f"sets {held}, {FLANK}: point data, 1 on their nodes"
+        said = f"sets {names}: point data, 1 on their nodes"
     elif kind in BY_TAG:
         tags = [np.ones(len(cells[0][1]), dtype=np.int32), sides.tags.astype(np.int32) + 2]
         cells.append((sides.kind, sides.nodes))
         arguments["cell_data"] = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-        groups = {"gear": (1, dimension), held: (2, dimension - 1), FLANK: (3, dimension - 1)}
+        groups = {"gear": (1, dimension), **{name: (number + 2, dimension - 1) for number, name in enumerate(mesh.sets)}}
         arguments["field_data"] = {name: np.array(group) for name, group in groups.items()}
-        said = f"sets {held}, {FLANK}: physical groups"
+        said = f"sets {names}: physical groups"
     elif kind in BY_SET:
         arguments["point_sets"] = dict(mesh.sets)
-        said = f"sets {held}, {FLANK}: node sets"
+        said = f"sets {names}: node sets"
     points = np.hstack([mesh.points, np.zeros((len(mesh.points), 3 - dimension))])
     with whole(path) as temporary, contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
         try:

@@ -8,6 +8,7 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 
+from gearfem.compliance.crack_mesh import CrackedSection
 from gearfem.compliance.elasticity import ELEMENT
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.foundation import Array, Record
@@ -94,6 +95,27 @@ def solid_mesh(section: SectionMesh, places: Array, support: str) -> SolidMesh:
     number = np.arange(section.mesh.doflocs.shape[1])
     held, flank = (np.tile(np.isin(number, own), len(places)) for own in (section.held, section.flanks()))
     return SolidMesh(nodes=nodes, hexes=hexes, held=held, flank=flank, support=support)
+
+
+def cracked_solid(section: CrackedSection, places: Array) -> SolidMesh:
+    """Return the hexahedra over a sector whose crack is open over the whole face width.
+
+    Parameters
+    ----------
+    section : CrackedSection
+        Of nine-node quadrilaterals.
+    places : ndarray, shape (2 k + 1,)
+        As from `graded_places` [m].
+
+    Returns
+    -------
+    SolidMesh
+        Its flank nodes are those of the loaded side.
+    """
+    nodes, hexes = extrude(section.points, section.open_cells, places)
+    number = np.arange(len(section.points))
+    held, flank = (np.tile(np.isin(number, own), len(places)) for own in (section.held, section.flank()))
+    return SolidMesh(nodes=nodes, hexes=hexes, held=held, flank=flank, support="bore")
 
 
 def trilinear(mesh: SolidMesh) -> SolidMesh:

@@ -76,7 +76,7 @@ def test_periods_are_as_short_as_what_differs_allows(results) -> None:
     assert repeats(turns, rippled) == 27
     long = run(make_setup({**MODEL, "pinion": {"teeth": 61}, "wheel": {"teeth": 97}}), until="compliance")
     both = placed(long, pinion_runout=(1e-5, 0.0), wheel_runout=(1e-5, 0.0))
-    assert 61 * 97 > MOST_PITCHES
+    assert MOST_PITCHES < 61 * 97
     assert repeats(both, long.system.drive) == 2 * 61
 
 

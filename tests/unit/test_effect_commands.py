@@ -57,7 +57,7 @@ def test_the_elastic_model_runs_over_whole_turns_where_teeth_differ():
     assert angle / (2.0 * np.pi / 20.0) == pytest.approx(1.0, abs=0.5)
     assert uneven.elastic.pinion_speed.mean() == pytest.approx(uneven.setup.operation.pinion_speed, rel=1e-9, abs=0.0)
     assert any(sentence.startswith("Effect: Pitch error of tooth 1") for sentence in uneven.assumptions)
-    assert any(sentence.startswith("Teeth differ or torques ripple: all three models run over 20 pitches") for sentence in uneven.assumptions)
+    assert any("all three models run over 20 pitches" in sentence for sentence in uneven.assumptions)
 
 
 def test_fitted_values_act():
