@@ -65,10 +65,13 @@ def run_wear(
         option = "--rolling" if error.where == "rolling" else "--coefficient, --wheel-coefficient"
         raise InputError(option, error.found, error.allowed) from None
     turns = hours * 3600.0 * setup.operation.pinion_speed / (2.0 * math.pi)
-    life = wear_over(setup, law, turns, progress=progress)
+    try:
+        life = wear_over(setup, law, turns, progress=progress)
+    except InputError as error:
+        raise InputError("--hours" if error.where == "turns of the pinion" else error.where, error.found, error.allowed) from None
     tables, _ = with_overrides(read_tables(model), overrides)
-    files = [write_life(life, out), *write_worn_model(life, tables, out, f"{setup.name}, worn over {hours:g} h")]
-    return Done([law_sentence(life), *_lines(life), _followed(life, files[-1])], [*files, *write_wear_pictures(life, out)])
+    files = [write_life(life, out), *write_worn_model(life, tables, out, f"{setup.name}, worn over {life.hours[-1]:.6g} h")]
+    return Done([law_sentence(life), *life.remarks, *_lines(life), _followed(life, files[-1])], [*files, *write_wear_pictures(life, out)])
 
 
 def _lines(life: Life) -> list[str]:
@@ -83,9 +86,10 @@ def _lines(life: Life) -> list[str]:
 
 def _followed(life: Life, model: Path) -> str:
     """Say how closely the fit that every command makes of the points follows the worn flanks."""
-    away = {}
+    away: dict[str, float] = {}
     for fit in fitted_flanks(load_model(model)):
-        roll, depth = worn_flank(life, fit.points.member)
-        away[fit.points.member] = float(np.abs(fit.deviation.at(roll) - depth).max())
+        roll, depth = worn_flank(life, fit.points.member, fit.points.tooth)
+        gear = fit.points.member if fit.points.tooth is None else f"{fit.points.member}, tooth {fit.points.tooth}"
+        away[gear] = float(np.abs(fit.deviation.at(roll) - depth).max())
     worst = ", ".join(f"{value / UM:.2g} um ({member})" for member, value in away.items())
     return f"the fit of these points, which every command takes, follows the worn flanks to {worst}"

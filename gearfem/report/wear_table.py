@@ -47,7 +47,7 @@ def write_life(life: Life, out: Path) -> Path:
         "transmission_error_peak_to_peak_um": life.transmission_error / UM,
         "contact_pressure_MPa": life.contact_pressure / MPA,
     }
-    write_csv(path, columns, (identity(life.setup), law_sentence(life)))
+    write_csv(path, columns, (identity(life.setup), law_sentence(life), *life.remarks))
     return path
 
 
@@ -61,7 +61,7 @@ def law_sentence(life: Life) -> str:
     )
 
 
-def worn_flank(life: Life, member: Member) -> tuple[Array, Array]:
+def worn_flank(life: Life, member: Member, tooth: int | None = None) -> tuple[Array, Array]:
     """Return the flank of a gear at the end of its life as points of a model file.
 
     Parameters
@@ -70,6 +70,8 @@ def worn_flank(life: Life, member: Member) -> tuple[Array, Array]:
         Of the pair.
     member : {"pinion", "wheel"}
         Gear.
+    tooth : int, optional
+        One that was measured for itself; by default all others.
 
     Returns
     -------
@@ -77,7 +79,8 @@ def worn_flank(life: Life, member: Member) -> tuple[Array, Array]:
         From the form circle to where the worn flank ends [m]; what effects of the model take is not in it, since they act
         on the worn model too.
     """
-    outline = make_flanks(life.setup).of(member)
+    flanks = make_flanks(life.setup)
+    outline = flanks.of(member) if tooth is None else flanks.odd(member)[tooth]
     before = outline.deviation or Deviation.none(outline.gear)
     after = before.plus(lambda roll: life.depth(member)[-1])
     worn = Outline(gear=outline.gear, deviation=after)
@@ -106,12 +109,14 @@ def write_worn_model(life: Life, tables: Mapping[str, Any], out: Path, name: str
     """
     worn: dict[str, Any] = copy.deepcopy(dict(tables))
     worn["name"] = name
-    files = []
+    files, comments = [], (identity(life.setup), law_sentence(life), *life.remarks)
     for member in MEMBERS:
-        file = f"worn_{member}.csv"
-        roll, depth = worn_flank(life, member)
-        write_csv(Path(out) / file, {"roll_length_mm": roll / MM, "deviation_um": depth / UM}, (identity(life.setup), law_sentence(life)))
-        worn[member]["flank"] = [{"file": file}]
-        files.append(Path(out) / file)
+        worn[member]["flank"] = []
+        for tooth in (None, *sorted(make_flanks(life.setup).odd(member))):
+            file = f"worn_{member}.csv" if tooth is None else f"worn_{member}_tooth_{tooth}.csv"
+            roll, depth = worn_flank(life, member, tooth)
+            write_csv(Path(out) / file, {"roll_length_mm": roll / MM, "deviation_um": depth / UM}, comments)
+            worn[member]["flank"].append({"file": file} if tooth is None else {"file": file, "tooth": tooth})
+            files.append(Path(out) / file)
     write_toml(Path(out) / "worn.toml", worn)
     return (*files, Path(out) / "worn.toml")

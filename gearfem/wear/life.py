@@ -16,6 +16,7 @@ from gearfem.engagement.record import Engagement
 from gearfem.flank import Deviation
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.units import MM
 from gearfem.wear.archard import FINEST, Archard, wear_rates
 from gearfem.wear.volume import removed_volume
 from gearfem.wear.worn import Worn
@@ -26,7 +27,10 @@ TOLERANCE = 0.01
 # Teeth bend as before until so many modules are worn; the transmission error is then off by 0.4 % (studies/worn_compliance.py).
 BENDS = 0.01
 GROWTH, SHRINK, SAFETY = 2.0, 0.2, 0.9
-ANGLES, MOST_STEPS, SHORTEST = 120, 20_000, 1e-9
+ANGLES, SHORTEST = 120, 1e-9
+# In modules, on average over a flank: deeper outlines are refused anyway.
+DEEPEST = 0.25
+UNEVEN = "Wear over the life is that of teeth all alike and evenly spaced, and was taken from all teeth, those that differ too."
 Depths = dict[Member, Array]
 
 
@@ -50,6 +54,8 @@ class Life(Record):
         From peak to peak, under the operation torque [m].
     contact_pressure : ndarray, shape (n,)
         Largest pressure of all contacts [Pa].
+    remarks : tuple of str
+        What was left out, and why the life ended before its time if it did.
     """
 
     setup: Setup
@@ -61,11 +67,12 @@ class Life(Record):
     wheel_volume: Array
     transmission_error: Array
     contact_pressure: Array
+    remarks: tuple[str, ...] = ()
 
     @property
     def hours(self) -> Array:
         """Time at the operation's speed [h]."""
-        return self.turns * 2.0 * math.pi / self.setup.operation.pinion_speed / 3600.0
+        return self.turns * _hours(self.setup)
 
     def depth(self, member: Member) -> Array:
         """Return the depths of a gear [m], shape (n, k)."""
@@ -94,7 +101,7 @@ class _Bench:
         if moved < BENDS * self.setup.pair.pinion.module:
             return self
         worn = [Worn(gear=member, depth=depths[member]) for member in MEMBERS]
-        return dataclasses.replace(self, at=depths, mesh=assemble(self.setup, [*self.effects, *worn]).mesh)
+        return dataclasses.replace(self, at=depths, mesh=_alike(assemble(self.setup, [*self.effects, *worn]).mesh))
 
     def loaded(self, depths: Depths, torque: float) -> tuple[Mesh, Engagement]:
         """Return the engagement of flanks worn by these depths."""
@@ -144,13 +151,15 @@ def wear_over(
     Returns
     -------
     Life
+        It ends early, and says so, where teeth are worn so far that no flank or no load sharing can be computed.
 
     Raises
     ------
     InputError
-        If teeth differ, the turns are not positive, or wear leaves no flank that can be computed: it then says after how many turns.
+        If flanks are not parallel, the turns are not positive, or so many that a quarter of a module would wear off on average: the most
+        that any flank here loses.
     SolveError
-        If the steps do not reach the end.
+        If the load sharing of the flanks before any wear does not converge.
 
     Notes
     -----
@@ -158,35 +167,44 @@ def wear_over(
     root mean square over the flank, that decides the next step (adaptive, second order). The rates follow from contacts and load
     sharing of the worn flanks, quasi-static under the operation torque: a point that wears gives its load to others, within
     the deflection of the teeth, which bounds the step. The compliance is that of the worn teeth, computed anew whenever a hundredth
-    of a module is worn. The dynamic load, lubrication, heat and the end of a hardened layer are not in it.
+    of a module is worn. Where teeth differ, in shape or place, the wear is that of all others, evenly spaced; it is taken from every
+    tooth. The dynamic load, lubrication, heat and the end of a hardened layer are not in it.
     """
     if not (math.isfinite(turns) and turns > 0.0):
         raise InputError("turns", f"{turns:g}", "more than 0")
     system = assemble(setup, effects)
-    _refuse_uneven(system.mesh)
-    torque = system.drive.pinion_torque
+    mesh, torque = system.mesh, system.drive.pinion_torque
+    remarks: tuple[str, ...] = (UNEVEN,) if _differ(mesh) else ()
     pitch = (np.arange(angles) + 0.5) / angles * setup.pair.pinion.pitch_angle
     none: Depths = {member: np.zeros_like(Deviation.none(gear).roll) for member, gear in _gears(setup)}
-    bench = _Bench(setup, law, pitch, tuple(effects), finest, none, system.mesh)
-    rows, done, step, depths = [], 0.0, 0.0, none
-    try:
-        loaded = bench.loaded(depths, torque)
-        rates = bench.rates(loaded)
-        for _ in range(MOST_STEPS):
-            rows.append(_row(done, depths, loaded))
-            progress("wear", int(1000.0 * done / turns), 1000)
-            if done >= turns:
-                return _life(setup, law, rows)
-            allowed = tolerance * _deflection(loaded)
-            step = step or allowed / max(float(rates[member].max()) for member in MEMBERS)
+    bench = _Bench(setup, law, pitch, tuple(effects), finest, none, _alike(mesh))
+    done, step, depths = 0.0, 0.0, none
+    loaded = bench.loaded(depths, torque)
+    rates = bench.rates(loaded)
+    _refuse_long(bench, rates, turns)
+    rows = [_row(done, depths, loaded)]
+    while done < turns:
+        progress("wear", int(1000.0 * done / turns), 1000)
+        allowed = tolerance * _deflection(loaded)
+        step = step or allowed / max(float(rates[member].max()) for member in MEMBERS)
+        try:
             depths, step, following = _advanced(bench, depths, rates, min(step, turns - done), allowed, torque)
-            done = turns if done + step >= turns * (1.0 - SHORTEST) else done + step
-            step, bench = following, bench.brought_up(depths)
+            bench = bench.brought_up(depths)
             loaded = bench.loaded(depths, torque)
             rates = bench.rates(loaded)
-    except InputError as error:
-        raise InputError(f"{error.where} after {done:.4g} turns of the pinion", error.found, error.allowed) from None
-    raise SolveError(f"wear did not reach its end within {MOST_STEPS} steps: {done:.4g} of {turns:.4g} turns of the pinion")
+        except (InputError, SolveError) as error:
+            remarks += (f"worn out after {done:.4g} turns of the pinion, {done / turns:.0%} of this life: {error}",)
+            break
+        done = turns if done + step >= turns * (1.0 - SHORTEST) else done + step
+        step = following
+        rows.append(_row(done, depths, loaded))
+    progress("wear", 1000, 1000)
+    return _life(setup, law, rows, remarks)
+
+
+def _hours(setup: Setup) -> float:
+    """Return the hours that a turn of the pinion takes."""
+    return 2.0 * math.pi / setup.operation.pinion_speed / 3600.0
 
 
 def _gears(setup: Setup) -> tuple[tuple[Member, Gear], tuple[Member, Gear]]:
@@ -220,18 +238,50 @@ def _row(done: float, depths: Depths, loaded: tuple[Mesh, Engagement]) -> tuple[
     return (done, *(depths[member] for member in MEMBERS), *volumes, float(np.ptp(engagement.transmission_error)), largest)
 
 
-def _life(setup: Setup, law: Archard, rows: list[tuple[object, ...]]) -> Life:
+def _life(setup: Setup, law: Archard, rows: list[tuple[object, ...]], remarks: tuple[str, ...]) -> Life:
     names = ("turns", "pinion_depth", "wheel_depth", "pinion_volume", "wheel_volume", "transmission_error", "contact_pressure")
     columns = (np.array(column) for column in zip(*rows, strict=True))
-    return Life(setup=setup, law=law, **dict(zip(names, columns, strict=True)))
+    return Life(setup=setup, law=law, remarks=remarks, **dict(zip(names, columns, strict=True)))
 
 
-def _refuse_uneven(mesh: Mesh) -> None:
-    """Refuse teeth that differ: which meets which, and how often, is then another question for each."""
+def _alike(mesh: Mesh) -> Mesh:
+    """Return a mesh whose teeth are all as the common one and evenly spaced; flanks that are not parallel are refused."""
+    flanks, placement, compliance = mesh.flanks, mesh.placement, mesh.compliance
+    if not flanks.lead.uniform:
+        raise InputError(
+            "model", "flanks that are not parallel over the face width", "parallel ones: wear is not followed over the face width"
+        )
+    even = dataclasses.replace(
+        placement,
+        pinion_late=np.zeros_like(placement.pinion_late),
+        wheel_late=np.zeros_like(placement.wheel_late),
+        pinion_runout=(0.0, 0.0),
+        wheel_runout=(0.0, 0.0),
+    )
+    return dataclasses.replace(
+        mesh,
+        flanks=dataclasses.replace(flanks, pinion_odd=(), wheel_odd=()),
+        compliance=dataclasses.replace(compliance, pinion_odd=(), wheel_odd=()),
+        placement=even,
+    )
+
+
+def _differ(mesh: Mesh) -> bool:
+    """Whether teeth differ, in shape or place."""
     flanks, placement, compliance = mesh.flanks, mesh.placement, mesh.compliance
     odd = (flanks.pinion_odd, flanks.wheel_odd, compliance.pinion_odd, compliance.wheel_odd)
     late = np.ptp(placement.pinion_late) + np.ptp(placement.wheel_late)
-    if any(odd) or late > 0.0 or any(placement.pinion_runout) or any(placement.wheel_runout):
-        raise InputError("model", "teeth that differ, in shape, place or runout", "teeth all alike, for wear over the life of the pair")
-    if not flanks.lead.uniform:
-        raise InputError("model", "flanks that are not parallel over the face width", "parallel ones, for wear over the life of the pair")
+    return bool(any(odd) or late > 0.0 or any(placement.pinion_runout) or any(placement.wheel_runout))
+
+
+def _refuse_long(bench: _Bench, rates: Depths, turns: float) -> None:
+    """Refuse a life in which a flank would lose more than the deepest wear on average, at the rate with which it begins."""
+    limit = DEEPEST * bench.setup.pair.pinion.module
+    for member, gear in _gears(bench.setup):
+        outline, roll = bench.mesh.flanks.of(member), Deviation.none(gear).roll
+        flank = (roll >= outline.flank_start) & (roll <= outline.flank_end)
+        mean = float(np.average(rates[member][flank], weights=roll[flank]))
+        if mean * turns > limit:
+            found = f"{turns:.4g} turns of the pinion, in which the {member} would lose {mean * turns / MM:.3g} mm of its flanks on average"
+            most = f"up to {limit / mean:.3g} turns ({limit / mean * _hours(bench.setup):.3g} h)"
+            raise InputError("turns of the pinion", found, f"{most}, a quarter of a module; teeth may be worn out before")

@@ -12,11 +12,11 @@ from PIL import Image
 from gearfem.cli import main
 from gearfem.cli import wearing as work
 from gearfem.flank import Deviation, make_flanks
-from gearfem.foundation import InputError
+from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.columns import read_columns
 from gearfem.model import load_model
 from gearfem.report.kinematics_plots import enlargement
-from gearfem.wear import Archard, Worn, removed_volume
+from gearfem.wear import Archard, Worn, life, removed_volume
 
 MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
 
@@ -53,7 +53,8 @@ def test_wear_writes_a_model_that_runs(tmp_path):
         (["--hours", "nan", "--coefficient", "1e-17"], "--hours"),
         (["--hours", "10", "--coefficient", "-1"], "--coefficient"),
         (["--hours", "10", "--coefficient", "1e-17", "--rolling", "-1"], "--rolling"),
-        (["--hours", "10", "--coefficient", "1e-17", "--set", "effect=[{name='pitch_error',gear='wheel',tooth=3,amount_um=5.0}]"], "alike"),
+        (["--hours", "1e6", "--coefficient", "2e-17"], "--hours: found 3.037e+10 turns of the pinion, in which the pinion would lose"),
+        (["--hours", "10", "--coefficient", "1e-17", "--set", "effect=[{name='lead_misalignment',slope_um=5.0}]"], "width"),
     ],
 )
 def test_what_cannot_wear_is_one_line(tmp_path, words, found):
@@ -63,6 +64,46 @@ def test_what_cannot_wear_is_one_line(tmp_path, words, found):
     assert result.stderr.count("\n") == 1
     assert found in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_teeth_that_differ_wear_as_the_others(tmp_path):
+    odd = tmp_path / "odd.csv"
+    odd.write_text(
+        "roll_length_mm,deviation_um\n" + "\n".join(f"{roll:.4f},{20.0 + 0.1 * roll:.4f}" for roll in np.linspace(17.0, 46.0, 60))
+    )
+    late = "effect=[{name='pitch_error',gear='wheel',tooth=3,amount_um=5.0}]"
+    flank = f"pinion.flank=[{{file='{odd}',tooth=4}}]"
+    done = call("wear", MODEL, "--hours", 20, "--coefficient", "2e-17", "--out", tmp_path / "w", "--set", late, "--set", flank)
+    assert done.exit_code == 0, done.output
+    assert "all teeth, those that differ too" in done.output
+    even = call("wear", MODEL, "--hours", 20, "--coefficient", "2e-17", "--out", tmp_path / "even")
+    assert even.exit_code == 0
+    same = [(tmp_path / folder / "worn_wheel.csv").read_text().splitlines()[-400:] for folder in ("w", "even")]
+    assert same[0] == same[1]
+    setup = load_model(tmp_path / "w" / "worn.toml")
+    assert [effect.name for effect in setup.effects] == ["pitch_error"]
+    flanks = make_flanks(setup)
+    tooth, others = flanks.odd("pinion")[4].deviation, flanks.pinion.deviation
+    roll = np.linspace(20.0e-3, 45.0e-3, 20)
+    assert tooth.at(roll) - others.at(roll) == pytest.approx(20e-6 + 1e-4 * roll, rel=0.0, abs=0.3e-6)
+
+
+def test_a_life_that_wears_teeth_out_ends_early(monkeypatch):
+    setup = load_model(MODEL)
+    real, count = life.engage, []
+
+    def fails(*words):
+        count.append(1)
+        if len(count) > 9:
+            raise SolveError("no load sharing")
+        return real(*words)
+
+    monkeypatch.setattr(life, "engage", fails)
+    short = life.wear_over(setup, Archard(pinion_coefficient=2e-17, wheel_coefficient=2e-17), 1e7, angles=20)
+    assert short.turns.size == 5
+    assert 0.0 < short.turns[-1] < 1e7
+    assert "no load sharing" in short.remarks[0]
+    assert "worn out after" in short.remarks[0]
 
 
 def test_an_interrupted_life_leaves_nothing(tmp_path, monkeypatch):
