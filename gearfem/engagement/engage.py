@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -122,6 +123,29 @@ def standard_angles(placement: Placement, steps: int = 400) -> Array:
     return np.linspace(-1.0, 1.0, steps + 1) * placement.pair.pinion.pitch_angle
 
 
+class Loads(NamedTuple):
+    """Contacts and their forces over the face width [N], the transmission error [m], its slope over the torque, and the deflection."""
+
+    contacts: Contacts
+    force: Array
+    transmission_error: Array
+    slope: Array
+    deflection: Array
+
+
+def loads(mesh: Mesh, pinion_angle: Array, torque: float) -> Loads:
+    """Return contacts and forces at pinion angles, under one torque: `engage` without ratios; arguments and errors as there."""
+    if not torque > 0.0:
+        raise InputError(
+            "operation.pinion_torque_Nm", f"{torque:g} N m", "a positive torque: without one nothing holds the flanks together"
+        )
+    contacts, sharing = _share(mesh, pinion_angle, mesh.pairs(pinion_angle), torque)
+    deflection = sharing.transmission_error - mesh.gap(contacts).min(axis=1)
+    _refuse_overload(mesh, torque, float(deflection.max()))
+    force = sharing.force * mesh.placement.pair.face_width
+    return Loads(contacts, force, sharing.transmission_error, sharing.slope, deflection)
+
+
 def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     """Return the loaded engagement at pinion angles, under one torque.
 
@@ -151,19 +175,11 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
     wheel by l1/l2, less what runout adds), loaded by the central difference of the transmission error over 2e-4 pitches, which
     replaces a kink by its mean over that width. Physics: Wojnarowski & Onishchenko (2003), sections 2 and 3.
     """
-    if not torque > 0.0:
-        raise InputError(
-            "operation.pinion_torque_Nm", f"{torque:g} N m", "a positive torque: without one nothing holds the flanks together"
-        )
-    pair = mesh.placement.pair
+    found, pair = loads(mesh, pinion_angle, torque), mesh.placement.pair
+    contacts, force = found.contacts, found.force
     small = DIFFERENCE * pair.pinion.pitch_angle
-    pairs = mesh.pairs(pinion_angle)
-    shared = {shift: _share(mesh, pinion_angle + shift * small, pairs, torque) for shift in (-1, 0, 1)}
-    contacts, sharing = shared[0]
-    deflection = sharing.transmission_error - mesh.gap(contacts).min(axis=1)
-    _refuse_overload(mesh, torque, float(deflection.max()))
-    change = (shared[1][1].transmission_error - shared[-1][1].transmission_error) / (2.0 * small)
-    force = sharing.force * pair.face_width
+    before, after = (_share(mesh, pinion_angle + shift * small, mesh.pairs(pinion_angle), torque)[1] for shift in (-1, 1))
+    change = (after.transmission_error - before.transmission_error) / (2.0 * small)
     rows = np.arange(len(pinion_angle))
     first = np.argmin(contacts.gap, axis=1)
     nominal = torque / pair.pinion.base_radius
@@ -172,11 +188,11 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
         contacts=contacts,
         pinion_torque=torque,
         force=force,
-        transmission_error=sharing.transmission_error,
-        mesh_stiffness=1.0 / (sharing.slope * pair.pinion.base_radius),
-        secant_stiffness=nominal / deflection,
+        transmission_error=found.transmission_error,
+        mesh_stiffness=1.0 / (found.slope * pair.pinion.base_radius),
+        secant_stiffness=nominal / found.deflection,
         single_stiffness=_single_stiffness(mesh, contacts, torque),
-        contact_pressure=_contact_pressure(mesh, contacts, sharing.force),
+        contact_pressure=contact_pressure(mesh, contacts, force),
         gear_ratio=1.0 / (1.0 / pair.ratio - change / pair.wheel.base_radius),
         gear_ratio_unloaded=1.0 / (contacts.arm1[rows, first] / contacts.arm2[rows, first] - runout / pair.wheel.base_radius),
         gear_ratio_force=(force * contacts.arm2).sum(axis=1) / (force * contacts.arm1).sum(axis=1),
@@ -216,9 +232,10 @@ def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
     return np.where(contacts.on_flanks, force * mesh.placement.pair.face_width / approach, 0.0)
 
 
-def _contact_pressure(mesh: Mesh, contacts: Contacts, line_load: Array) -> Array:
-    """Return the largest pressure on each pair [Pa] under line loads [N/m], shape (n, p)."""
+def contact_pressure(mesh: Mesh, contacts: Contacts, force: Array) -> Array:
+    """Return the largest pressure of each contact [Pa] under forces over the face width [N], shape (n, p)."""
     pair = mesh.placement.pair
+    line_load = force / pair.face_width
     law = EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material)
     lead, touching, surface = mesh.lead, line_load > 0.0, np.zeros_like(line_load)
     line = Line(contacts.flank_radius, surface, surface, contacts.edge, contacts.edge_radius)

@@ -10,7 +10,7 @@ from scipy.special import ndtr
 
 from gearfem.contact import HertzLine
 from gearfem.definition.setup import Member
-from gearfem.engagement.engage import Mesh
+from gearfem.engagement.engage import Loads, Mesh
 from gearfem.engagement.record import Engagement
 from gearfem.flank import Deviation, Outline
 from gearfem.foundation import Array, InputError, Record
@@ -58,14 +58,14 @@ class Archard(Record):
         return self.pinion_coefficient if member == "pinion" else self.wheel_coefficient
 
 
-def wear_rates(mesh: Mesh, engagement: Engagement, law: Archard, finest: float = FINEST) -> dict[Member, Array]:
+def wear_rates(mesh: Mesh, engagement: Engagement | Loads, law: Archard, finest: float = FINEST) -> dict[Member, Array]:
     """Return the depth that each gear loses per turn of the pinion.
 
     Parameters
     ----------
     mesh : Mesh
         Whose flanks wear; all teeth alike.
-    engagement : Engagement
+    engagement : Engagement or Loads
         Of it, at equally spaced angles over one pitch.
     law : Archard
         The coefficients.

@@ -11,8 +11,7 @@ import numpy as np
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Gear, Member, Setup
 from gearfem.effects.effect import Effect
-from gearfem.engagement.engage import Mesh, engage
-from gearfem.engagement.record import Engagement
+from gearfem.engagement.engage import Loads, Mesh, contact_pressure, loads
 from gearfem.flank import Deviation
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -103,15 +102,15 @@ class _Bench:
         worn = [Worn(gear=member, depth=depths[member]) for member in MEMBERS]
         return dataclasses.replace(self, at=depths, mesh=_alike(assemble(self.setup, [*self.effects, *worn]).mesh))
 
-    def loaded(self, depths: Depths, torque: float) -> tuple[Mesh, Engagement]:
-        """Return the engagement of flanks worn by these depths."""
+    def loaded(self, depths: Depths, torque: float) -> tuple[Mesh, Loads]:
+        """Return contacts and forces of flanks worn by these depths."""
         flanks = self.mesh.flanks
         for member in MEMBERS:
             flanks = Worn(gear=member, depth=depths[member] - self.at[member]).act(flanks, self.setup)
         mesh = dataclasses.replace(self.mesh, flanks=flanks)
-        return mesh, engage(mesh, self.angles, torque)
+        return mesh, loads(mesh, self.angles, torque)
 
-    def rates(self, loaded: tuple[Mesh, Engagement]) -> Depths:
+    def rates(self, loaded: tuple[Mesh, Loads]) -> Depths:
         """Return the depth per turn of the pinion [m]."""
         return wear_rates(*loaded, self.law, self.finest)
 
@@ -185,7 +184,7 @@ def wear_over(
     rows = [_row(done, depths, loaded)]
     while done < turns:
         progress("wear", int(1000.0 * done / turns), 1000)
-        allowed = tolerance * _deflection(loaded)
+        allowed = tolerance * float(loaded[1].deflection.mean())
         step = step or allowed / max(float(rates[member].max()) for member in MEMBERS)
         try:
             depths, step, following = _advanced(bench, depths, rates, min(step, turns - done), allowed, torque)
@@ -225,17 +224,12 @@ def _advanced(bench: _Bench, depths: Depths, rates: Depths, step: float, allowed
     raise SolveError("a step of wear did not keep its error: a lower coefficient or a shorter life gets no further either")
 
 
-def _deflection(loaded: tuple[Mesh, Engagement]) -> float:
-    mesh, engagement = loaded
-    return float((engagement.transmission_error - mesh.gap(engagement.contacts).min(axis=1)).mean())
-
-
-def _row(done: float, depths: Depths, loaded: tuple[Mesh, Engagement]) -> tuple[object, ...]:
-    mesh, engagement = loaded
+def _row(done: float, depths: Depths, loaded: tuple[Mesh, Loads]) -> tuple[object, ...]:
+    mesh, carried = loaded
     width = mesh.placement.pair.face_width
     volumes = (removed_volume(mesh.flanks.of(member), width) for member in MEMBERS)
-    largest = float(engagement.contact_pressure.max())
-    return (done, *(depths[member] for member in MEMBERS), *volumes, float(np.ptp(engagement.transmission_error)), largest)
+    largest = float(contact_pressure(mesh, carried.contacts, carried.force).max())
+    return (done, *(depths[member] for member in MEMBERS), *volumes, float(np.ptp(carried.transmission_error)), largest)
 
 
 def _life(setup: Setup, law: Archard, rows: list[tuple[object, ...]], remarks: tuple[str, ...]) -> Life:

@@ -90,7 +90,7 @@ def test_teeth_that_differ_wear_as_the_others(tmp_path):
 
 def test_a_life_that_wears_teeth_out_ends_early(monkeypatch):
     setup = load_model(MODEL)
-    real, count = life.engage, []
+    real, count = life.loads, []
 
     def fails(*words):
         count.append(1)
@@ -98,7 +98,7 @@ def test_a_life_that_wears_teeth_out_ends_early(monkeypatch):
             raise SolveError("no load sharing")
         return real(*words)
 
-    monkeypatch.setattr(life, "engage", fails)
+    monkeypatch.setattr(life, "loads", fails)
     short = life.wear_over(setup, Archard(pinion_coefficient=2e-17, wheel_coefficient=2e-17), 1e7, angles=20)
     assert short.turns.size == 5
     assert 0.0 < short.turns[-1] < 1e7
