@@ -14,6 +14,7 @@ from gearfem.foundation.errors import InputError
 
 if TYPE_CHECKING:
     from gearfem.definition.setup import Setup
+    from gearfem.effects import Effect
 
 Command = TypeVar("Command", bound=Callable[..., None])
 GEARS = click.Choice(["pinion", "wheel"])
@@ -60,12 +61,17 @@ def _load(model: str, overrides: tuple[str, ...]) -> Setup:
 
     # A refusal that only computing can find names the model too: the group adds it.
     click.get_current_context().find_root().obj = f"{model} with overrides" if overrides else model
+    return load_model(model, overrides, effects=_kinds())
+
+
+def _kinds() -> list[type[Effect]]:
+    """Return the effects of the files that the command names."""
     files = click.get_current_context().meta.get("gearfem.effects", ())
     if not files:
-        return load_model(model, overrides)
+        return []
     from gearfem.effects.catalogue import effects_from
 
-    return load_model(model, overrides, effects=[kind for file in files for kind in effects_from(file)])
+    return [kind for file in files for kind in effects_from(file)]
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -394,6 +400,34 @@ def measure(model: str, out: str, overrides: tuple[str, ...], plan: str) -> None
     setup = _load(model, overrides)
     with Bars() as progress:
         done = measuring.run_plan(setup, model, overrides, plan, target, progress)
+    steps.say(done)
+
+
+@main.command(short_help="What each effect would change in planned records.")
+@_model_command
+@click.option("--plan", required=True, metavar="FILE", help="The records, as for gearfem measure; its instruments are not used.")
+@click.option("--only", multiple=True, metavar="NAME", help="These effects alone; may be repeated.")
+@click.option("--tooth", type=int, default=0, show_default=True, metavar="N", help="Tooth of effects of one tooth.")
+@click.option(
+    "--strength", type=float, default=1.0, show_default=True, metavar="S", help="Part of the typical size over which responses are taken."
+)
+def templates(model: str, out: str, overrides: tuple[str, ...], plan: str, only: tuple[str, ...], tooth: int, strength: float) -> None:
+    """Write the response of each record of a plan to each parameter of each effect, per unit: templates_*.csv.
+
+    One column per parameter, beside axis and value without the effect: change of the value per unit of the parameter, each alone
+    and counted from where it does nothing. Effects of MODEL belong to the value. For judging what a record can show, and for scans.
+
+    \b
+    Units: of each value those of its column, per unit that ends the name of the parameter.
+    Example:
+      gearfem templates model.toml --plan plan.toml --only runout --only tip_relief --out responses
+    """
+    from gearfem.cli import measuring, steps
+
+    target = folder(out)
+    setup = _load(model, overrides)
+    with Bars() as progress:
+        done = measuring.run_templates(setup, plan, only, tooth, strength, _kinds(), target, progress)
     steps.say(done)
 
 

@@ -20,7 +20,7 @@ from gearfem.foundation.progress import Progress, quiet
 from gearfem.foundation.toml import write_toml
 from gearfem.foundation.units import RPM, UM
 from gearfem.rig.plan import InstrumentTable, Plan, PlannedRecord
-from gearfem.sensing import Resonance, System, observe, requests
+from gearfem.sensing import Request, Resonance, System, observe, requests
 
 # Constants of unknown size are drawn up to here, in the unit of the column: the range of an encoder's zero in um.
 LARGEST_CONSTANT = 30.0
@@ -100,8 +100,36 @@ def _series(system: System, plan: Plan, record: PlannedRecord, random: np.random
     """Return the columns of a record in the units of its file, and what was drawn for it."""
     quantity, chain = QUANTITIES[record.quantity], plan.instrument_of(record)
     gear = system.setup.pair.wheel if record.gear == "wheel" else system.setup.pair.pinion
-    axis, turns = _axis(system.setup, record, quantity, gear)
     first = int(random.integers(gear.teeth)) if record.tooth_zero else 0
+    request, turns = planned(system.setup, record, first)
+    axis = request.axis - first
+    value = observe(dataclasses.replace(system, instrument=_instrument(system, chain)), request) / quantity.factors[1]
+    constant = chain.constant
+    if constant is None:
+        constant = float(random.uniform(-LARGEST_CONSTANT, LARGEST_CONSTANT)) if quantity.free_constant else 0.0
+    value = _spoilt(value + constant, turns, chain, random)
+    return dict(zip(quantity.columns, (axis / quantity.factors[0], value), strict=True)), {"constant": constant, "first_tooth": first}
+
+
+def planned(setup: Setup, record: PlannedRecord, first: int = 0) -> tuple[Request, Array]:
+    """Return what a planned record asks of a system, from its first tooth on, and how many turns have passed there.
+
+    Parameters
+    ----------
+    setup : Setup
+        The pair.
+    record : PlannedRecord
+        Of a plan.
+    first : int
+        First tooth of a record over teeth.
+
+    Returns
+    -------
+    request : Request
+    turns : ndarray, shape (n,)
+    """
+    gear = setup.pair.wheel if record.gear == "wheel" else setup.pair.pinion
+    axis, turns = _axis(setup, record, QUANTITIES[record.quantity], gear)
     request = requests()[record.quantity](
         axis=axis + first,
         pinion_torque=record.pinion_torque_Nm or 0.0,
@@ -110,12 +138,7 @@ def _series(system: System, plan: Plan, record: PlannedRecord, random: np.random
         tooth=record.tooth or 0,
         file=record.file,
     )
-    value = observe(dataclasses.replace(system, instrument=_instrument(system, chain)), request) / quantity.factors[1]
-    constant = chain.constant
-    if constant is None:
-        constant = float(random.uniform(-LARGEST_CONSTANT, LARGEST_CONSTANT)) if quantity.free_constant else 0.0
-    value = _spoilt(value + constant, turns, chain, random)
-    return dict(zip(quantity.columns, (axis / quantity.factors[0], value), strict=True)), {"constant": constant, "first_tooth": first}
+    return request, turns
 
 
 def _instrument(system: System, chain: InstrumentTable) -> Any:

@@ -24,6 +24,7 @@ LINE = (
     "assembly",
     "assumptions",
     "pipeline",
+    "templates",
     "wear",
     "diagnosis",
     "rig",

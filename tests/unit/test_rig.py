@@ -142,3 +142,21 @@ def test_the_example_of_a_plan_can_be_read(tmp_path):
     plan = read_plan(tmp_path / "plan.toml", load_model(write(tmp_path / "true.toml", MODEL)).pair)
     assert [record.quantity for record in plan.record] == ["static_transmission_error", "dynamic_transmission_error", "radial_runout"]
     assert plan.instrument_of(plan.record[0]).noise_std == 0.3
+
+
+def test_responses_of_planned_records_are_written_per_unit(tmp_path: Path) -> None:
+    model = write(tmp_path / "model.toml", MODEL)
+    plan = write(tmp_path / "plan.toml", {"name": "plan", "seed": 1, "record": [STATIC, RUNOUT]})
+    words = ["templates", str(model), "--plan", str(plan), "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(main, [*words, "--only", "runout", "--only", "sensor_gain"])
+    assert result.exit_code == 0, result.output
+    files = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert files == ["templates_runout.csv", "templates_te.csv"]
+    lines = [line for line in (tmp_path / "out" / files[0]).read_text().splitlines() if not line.startswith("#")]
+    # A wheel that is as far off its centre again reads as much more, whatever the direction, at its largest.
+    assert np.abs(column(tmp_path / "out" / files[0], 3)).max() == pytest.approx(1.0, rel=0.01, abs=0.0)
+    assert lines[0].split(",")[2:] == ["runout_pinion_eccentricity_um", "runout_wheel_eccentricity_um", "sensor_gain_scale"]
+    for wrong, option in ((["--tooth", "999"], "--tooth"), (["--strength", "2"], "--strength"), (["--only", "run_out"], "run_out")):
+        refused = CliRunner().invoke(main, [*words, *wrong])
+        assert refused.exit_code == 2
+        assert option in refused.output
