@@ -117,7 +117,8 @@ def compliance(
 ) -> None:
     """Write compliance.csv, the deflection of one tooth of each gear over the radius of the load, and body.csv.
 
-    body.csv takes the deflection apart: tooth, body, wind-up about the bore, and what the next teeth feel.
+    body.csv takes the deflection apart: tooth, body, wind-up about the bore, and what the next teeth feel. Where effects change
+    the compliance of a model: rows `... with effects` of teeth like most, and `... tooth N` of each that differs.
 
     A mesh from outside (any plane format of meshio, in mm, triangles or quadrilaterals of first or second order, the gear's
     centre at the origin and a tooth along +x) needs the boundary sets `flank`, and `bore` or `root` for what is held: node
@@ -220,13 +221,14 @@ def dynamics(
 ) -> None:
     """Write rigid.csv, elastic.csv and classical.csv: steady motion and dynamic factor of three models at the model's speed.
 
-    With time_series.png and spectrum.png of the elastic one. With --speeds instead: sweep.csv, sweep_spectrum.csv, sweep.png and
+    With time_series.png and spectrum.png of the elastic one. Where teeth differ or torques ripple, over the pitches after which
+    the same teeth meet again. With --speeds instead: sweep.csv, sweep_spectrum.csv, sweep.png and
     waterfall.png of the elastic model over the speed.
 
     Columns of sweep.csv: speed, direction (rest, up or down), mesh and natural frequency and their ratio (tuning), largest and
     least dynamic factor, largest and mean normal force, mean and rms of the dynamic transmission error, parts of the time
     without contact on the working flank and in contact on the back flank, mesh cycles after which the motion repeats (0: it
-    does not, the row holds statistics of 96 cycles), growth of neighbouring motions per cycle (the largest Floquet multiplier;
+    does not, the row holds statistics of 96 cycles; where teeth differ, those after which the same ones meet again), growth of neighbouring motions per cycle (the largest Floquet multiplier;
     above 1: chaotic), wheel torque in balance, steps per cycle, amplitude and phase of six mesh harmonics of the
     transmission error. sweep_spectrum.csv: its lines in orders of the pinion's turns.
 
@@ -302,7 +304,7 @@ def mesh(
 ) -> None:
     """Write the finite-element mesh of one tooth with its sector of the gear, mesh_*.vtu.
 
-    A root crack is a seam whose two faces share places but no nodes: the boundary set `crack`, of sections.
+    A root crack is a seam whose two faces share places but no nodes; of sections they are the boundary set `crack`.
 
     \b
     Units: mm. Boundary sets `bore` (or `root`) and `flank`: physical groups in *.msh, node sets in *.inp, and in *.vtu,
