@@ -228,9 +228,10 @@ def dynamics(
     Columns of sweep.csv: speed, direction (rest, up or down), mesh and natural frequency and their ratio (tuning), largest and
     least dynamic factor, largest and mean normal force, mean and rms of the dynamic transmission error, parts of the time
     without contact on the working flank and in contact on the back flank, mesh cycles after which the motion repeats (0: it
-    does not, the row holds statistics of 96 cycles; where teeth differ, those after which the same ones meet again), growth of neighbouring motions per cycle (the largest Floquet multiplier;
-    above 1: chaotic), wheel torque in balance, steps per cycle, amplitude and phase of six mesh harmonics of the
-    transmission error. sweep_spectrum.csv: its lines in orders of the pinion's turns.
+    does not, the row holds statistics of 96 cycles; where teeth differ, those after which the same ones meet again), growth of
+    neighbouring motions per cycle (the largest Floquet multiplier; above 1: chaotic), wheel torque in balance, steps per
+    cycle, amplitude and phase of six mesh harmonics of the transmission error. sweep_spectrum.csv: its lines in orders of the
+    pinion's turns.
 
     Ctrl-C leaves the finished speeds in sweep.csv, from where --resume goes on. The first sweep after installing compiles for
     some ten seconds.
