@@ -273,7 +273,10 @@ def plot_pressure(results: Results) -> Figure:
     engagement = need(results.engagement, "engagement")
     figure, (upper, lower), x = _over_angle(results, engagement, f"contact pressure of\npair {middle_pair(engagement)}, MPa", rows=2)
     flanks = engagement.contacts.on_flanks[:, engagement.contacts.pairs.index(middle_pair(engagement))]
-    for axis, values, unit in ((upper, engagement.contact_pressure, MPA), (lower, engagement.contacts.equivalent_radius, MM)):
+    own = np.equal(engagement.contacts.pairs, middle_pair(engagement))
+    # Of a pair that touches on both sides of a hollow the larger pressure.
+    pressure = np.where(own, engagement.contact_pressure[:, own].max(axis=1, keepdims=True), engagement.contact_pressure)
+    for axis, values, unit in ((upper, pressure, MPA), (lower, engagement.contacts.equivalent_radius, MM)):
         whole = _of_middle(engagement, values) / unit
         axis.plot(x, np.where(flanks, whole, np.nan), color=style.BLUE, label="on the flanks")
         axis.plot(x, np.where(flanks, np.nan, whole), color=style.VERMILION, linestyle="--", label="on a tip edge")
@@ -302,9 +305,9 @@ def middle_pair(engagement: Engagement) -> int:
 
 
 def _of_middle(engagement: Engagement, values: Array) -> Array:
-    """Return the values of the middle pair while it carries, gaps elsewhere."""
-    column = engagement.contacts.pairs.index(middle_pair(engagement))
-    return np.where(engagement.force[:, column] > 0.0, values[:, column], np.nan)
+    """Return the values of the middle pair's first touch while the pair carries, gaps elsewhere."""
+    own = np.equal(engagement.contacts.pairs, middle_pair(engagement))
+    return np.where((engagement.force[:, own] > 0.0).any(axis=1), values[:, np.argmax(own)], np.nan)
 
 
 PICTURES: dict[str, Callable[[Results], Figure]] = {

@@ -136,6 +136,15 @@ def test_loads_of_both_touches_balance_the_torque(worn):
         assert np.hypot(*(contacts.point[both, column] - contacts.point[both, one]).T).min() >= 0.05 * mesh.placement.pair.pinion.module
 
 
+def test_any_tooth_may_come_first(worn):
+    mesh, torque = worn
+    angle = np.linspace(0.3, 0.8, 26) * mesh.placement.pair.pinion.pitch_angle
+    here, later = (engage(mesh, angle + shift * mesh.placement.pair.pinion.pitch_angle, torque) for shift in (0, 5))
+    assert later.transmission_error == pytest.approx(here.transmission_error, rel=0.0, abs=1e-14)
+    assert later.gear_ratio_force == pytest.approx(here.gear_ratio_force, rel=1e-9, abs=0.0)
+    assert (later.pairs_in_contact == here.pairs_in_contact).all()
+
+
 def test_a_tooth_yields_alike_at_one_place(coal_combine):
     tooth = assemble(coal_combine).compliance.pinion
     table = likeness(tooth)
