@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from gearfem.compliance.ring import one_thread
 from gearfem.dynamics.cycle import Cycle
 from gearfem.dynamics.orbit import LOOSE, Orbit, settle, shoot
 from gearfem.dynamics.record import DriveTrain, ElasticMotion, RigidMotion
@@ -87,7 +88,9 @@ def elastic_motion(
     z = z / system.stretch_unit
     x = (depth - first.offset) / system.unit + system.yielding @ z
     guess = np.concatenate([[x, (rate - first.drift) / (system.unit * system.natural)], z, np.zeros_like(z), [1.0]])
-    orbit, periodic = _steady(system, guess, tolerance, progress)
+    # Threads of dense algebra, started for matrices of four rows, took nine tenths of the time.
+    with one_thread():
+        orbit, periodic = _steady(system, guess, tolerance, progress)
     return _motion(system, orbit, periodic, cycles, samples)
 
 

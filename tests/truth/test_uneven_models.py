@@ -21,7 +21,7 @@ MODEL = {
     "pair": {"module_mm": 3.0, "face_width_mm": 20.0, "normal_backlash_mm": 0.06},
     "pinion": {"teeth": 18},
     "wheel": {"teeth": 27},
-    "operation": {"pinion_torque_Nm": 120.0, "pinion_speed_rpm": 3000.0, "friction_coefficient": 0.05},
+    "operation": {"pinion_torque_Nm": 120.0, "pinion_speed_rpm": 9000.0, "friction_coefficient": 0.05, "damping_ratio": 0.12},
 }
 
 
