@@ -20,7 +20,7 @@ from gearfem.foundation import Array, SolveError
 
 Values: TypeAlias = NDArray[Any]
 # Error left by the conjugate gradients, relative in the norm of the preconditioner: far below that of any mesh.
-TOLERANCE, SPARING, MOST_STEPS = 1e-10, 1e-4, 2000
+TOLERANCE, SPARING, MOST_STEPS = 1e-10, 1e-3, 2000
 ROUNDING = 1e-15
 # Numbers in one block of right-hand sides: a dozen such blocks take half a gigabyte.
 BLOCK = 4_000_000
@@ -260,8 +260,8 @@ def solve_prism(
     keep : callable
         Takes the columns and their displacements and returns something linear in them, columns last.
     sparing : bool
-        Whether some harmonics of a ring stand for all, see `reductions.chosen`, and the conjugate gradients stop at 1e-4, which leaves
-        1e-5 of what varies over the width.
+        Whether some harmonics of a ring stand for all, see `reductions.chosen`, and the conjugate gradients stop at 1e-3, which leaves
+        3e-5 of what varies over the width.
 
     Returns
     -------

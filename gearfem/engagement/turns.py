@@ -113,11 +113,10 @@ class Turns(Record):
 
     @functools.cached_property
     def bare(self) -> Mesh:
-        """The mesh without what acts on whole rows: index errors, runout and supports."""
+        """The mesh without what no pair has for itself: index errors, runout, supports, and the play behind the back flanks."""
         none1, none2 = (np.zeros(teeth) for teeth in self.teeth)
-        placement = dataclasses.replace(
-            self.mesh.placement, pinion_late=none1, wheel_late=none2, pinion_runout=(0.0, 0.0), wheel_runout=(0.0, 0.0), support=0.0
-        )
+        shared = {"pinion_runout": (0.0, 0.0), "wheel_runout": (0.0, 0.0), "support": 0.0, "normal_backlash": 0.0}
+        placement = dataclasses.replace(self.mesh.placement, pinion_late=none1, wheel_late=none2, **shared)  # type: ignore[arg-type]
         return dataclasses.replace(self.mesh, placement=placement)
 
     @functools.cached_property
