@@ -12,7 +12,8 @@ from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import DriveTrain, ElasticMotion, RigidMotion
 from gearfem.dynamics.rigid import rigid_motion
 from gearfem.dynamics.sweep_record import Direction, SweepPoint
-from gearfem.dynamics.turns import KW_ANGLES, march_turns, mean_stiffness, mesh_mode
+from gearfem.dynamics.turns import KW_ANGLES, march_turns
+from gearfem.dynamics.turns_plan import mean_stiffness, mesh_mode
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array
 from gearfem.placement import runout_gap

@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from gearfem.dynamics.turns import march_turns, slow_torque
+from gearfem.dynamics.turns import march_turns
+from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement.turns import StaticTurns, Turns, static
 from gearfem.foundation import Array
 from gearfem.sensing.system import System

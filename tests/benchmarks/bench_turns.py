@@ -15,7 +15,8 @@ from collections.abc import Callable
 import numpy as np
 
 from gearfem.dynamics import make_drive
-from gearfem.dynamics.turns import march_turns, mean_stiffness
+from gearfem.dynamics.turns import march_turns
+from gearfem.dynamics.turns_plan import mean_stiffness
 from gearfem.engagement import engage
 from gearfem.engagement.pair_table import coupling_table, pair_table
 from gearfem.engagement.turns import Turns, static

@@ -13,7 +13,9 @@ from gearfem.compliance import make_compliance
 from gearfem.contact import EdgedLine
 from gearfem.dynamics import DriveTrain, elastic_motion, unloaded_transport
 from gearfem.dynamics.record import Ripple
-from gearfem.dynamics.turns import dynamic_factors, march_turns, mean_stiffness, slow_torque
+from gearfem.dynamics.turns import dynamic_factors, march_turns
+from gearfem.dynamics.turns_plan import mean_stiffness
+from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement import Mesh, MeshForce, mesh_force
 from gearfem.engagement.turns import Turns, static
 from gearfem.flank import make_flanks

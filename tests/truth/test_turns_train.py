@@ -13,7 +13,8 @@ from gearfem.contact import EdgedLine
 from gearfem.definition.drive_parts import ShaftedInertia, Support
 from gearfem.dynamics import DriveTrain, elastic_motion, unloaded_transport
 from gearfem.dynamics.record import Ripple
-from gearfem.dynamics.turns import march_turns, slow_torque
+from gearfem.dynamics.turns import march_turns
+from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement import Mesh, mesh_force
 from gearfem.engagement.turns import Turns
 from gearfem.flank import make_flanks
