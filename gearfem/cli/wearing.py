@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from gearfem.assembly import effects_in
+from gearfem.cli.notices import ENGAGED, along_width, unseen
 from gearfem.cli.steps import Done
 from gearfem.definition.model_file import read_tables, with_overrides
 from gearfem.definition.setup import Setup
@@ -68,10 +70,22 @@ def run_wear(
     try:
         life = wear_over(setup, law, turns, progress=progress)
     except InputError as error:
-        raise InputError("--hours" if error.where == "turns of the pinion" else error.where, error.found, error.allowed) from None
+        raise _named(error, setup) from None
     tables, _ = with_overrides(read_tables(model), overrides)
     files = [write_life(life, out), *write_worn_model(life, tables, out, f"{setup.name}, worn over {life.hours[-1]:.6g} h")]
-    return Done([law_sentence(life), *life.remarks, *_lines(life), _followed(life, files[-1])], [*files, *write_wear_pictures(life, out)])
+    lines = [law_sentence(life), *life.remarks, *_lines(life), _followed(life, files[-1]), *unseen(setup, ENGAGED)]
+    return Done(lines, [*files, *write_wear_pictures(life, out)])
+
+
+def _named(error: InputError, setup: Setup) -> InputError:
+    """Return a refusal that names the option, or the effects, behind it: lives too long, flanks that are not parallel."""
+    if error.where == "turns of the pinion":
+        return InputError("--hours", error.found, error.allowed)
+    along = [effect for effect in effects_in(setup) if effect.stage == "flank" and along_width(effect, setup)]
+    names = sorted({effect.name for effect in along})
+    if error.where != "model" or not names:
+        return error
+    return InputError("effect", f"{' and '.join(names)}, which gearfem wear does not take", "effects that are the same for all widths")
 
 
 def _lines(life: Life) -> list[str]:
@@ -87,7 +101,11 @@ def _lines(life: Life) -> list[str]:
 def _followed(life: Life, model: Path) -> str:
     """Say how closely the fit that every command makes of the points follows the worn flanks."""
     away: dict[str, float] = {}
-    for fit in fitted_flanks(load_model(model)):
+    try:
+        fits = fitted_flanks(load_model(model))
+    except InputError as error:
+        return f"these flanks are worn beyond what a model takes: {error}"
+    for fit in fits:
         roll, depth = worn_flank(life, fit.points.member, fit.points.tooth)
         gear = fit.points.member if fit.points.tooth is None else f"{fit.points.member}, tooth {fit.points.tooth}"
         away[gear] = float(np.abs(fit.deviation.at(roll) - depth).max())

@@ -104,8 +104,13 @@ def tip_roll(gear: Gear) -> float:
     return math.sqrt(gear.tip_radius**2 - gear.base_radius**2)
 
 
+def farthest_roll(gear: Gear) -> float:
+    """Return the roll length [m] up to which points are taken: a tenth of the module beyond the tip circle."""
+    return tip_roll(gear) + BEYOND * gear.module
+
+
 def _refuse_rolls(roll: Array, depth: Array, gear: Gear, file: str) -> None:
-    far = tip_roll(gear) + BEYOND * gear.module
+    far = farthest_roll(gear)
     for row in np.flatnonzero((roll < 0.0) | (roll > far)):
         allowed = f"from 0 (base circle) to {far / MM:.4f} mm (a tenth of the module beyond the tip circle)"
         raise InputError(f"row {row + 1}, column roll_length_mm", f"{roll[row] / MM:g}", allowed, file)

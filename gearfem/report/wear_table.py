@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gearfem.definition.measured_points import farthest_roll
 from gearfem.definition.setup import Member
 from gearfem.flank import Deviation, Outline, make_flanks
 from gearfem.foundation import Array
@@ -84,7 +85,9 @@ def worn_flank(life: Life, member: Member, tooth: int | None = None) -> tuple[Ar
     before = outline.deviation or Deviation.none(outline.gear)
     after = before.plus(lambda roll: life.depth(member)[-1])
     worn = Outline(gear=outline.gear, deviation=after)
-    roll = np.linspace(worn.flank_start, worn.flank_end, POINTS)
+    # A flank worn by a tenth of a module and more meets the tip circle at roll lengths that tables of points leave out.
+    end = min(worn.flank_end, (1.0 - 1e-9) * farthest_roll(outline.gear))
+    roll = np.linspace(worn.flank_start, end, POINTS)
     return roll, after.at(roll)
 
 

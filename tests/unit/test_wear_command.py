@@ -11,11 +11,13 @@ from PIL import Image
 
 from gearfem.cli import main
 from gearfem.cli import wearing as work
+from gearfem.definition.model_file import read_tables
 from gearfem.flank import Deviation, make_flanks
 from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.columns import read_columns
 from gearfem.model import load_model
 from gearfem.report.kinematics_plots import enlargement
+from gearfem.report.wear_table import write_worn_model
 from gearfem.wear import Archard, Worn, life, removed_volume
 
 MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
@@ -104,6 +106,25 @@ def test_a_life_that_wears_teeth_out_ends_early(monkeypatch):
     assert 0.0 < short.turns[-1] < 1e7
     assert "no load sharing" in short.remarks[0]
     assert "worn out after" in short.remarks[0]
+
+
+def test_flanks_worn_deep_are_written_and_read_again(tmp_path):
+    setup = load_model(MODEL)
+    deep = {member: np.full((2, Deviation.none(getattr(setup.pair, member)).roll.size), 1.7e-3) for member in ("pinion", "wheel")}
+    none = np.zeros(2)
+    old = life.Life(
+        setup=setup,
+        law=Archard(pinion_coefficient=1e-17, wheel_coefficient=1e-17),
+        turns=np.array([0.0, 1e9]),
+        pinion_depth=deep["pinion"],
+        wheel_depth=deep["wheel"],
+        pinion_volume=none,
+        wheel_volume=none,
+        transmission_error=none,
+        contact_pressure=none,
+    )
+    *_, model = write_worn_model(old, read_tables(MODEL), tmp_path, "old")
+    assert make_flanks(load_model(model)).pinion.deepest == pytest.approx(1.7e-3, rel=1e-3, abs=0.0)
 
 
 def test_an_interrupted_life_leaves_nothing(tmp_path, monkeypatch):
