@@ -192,7 +192,7 @@ def wear_over(
             loaded = bench.loaded(depths, torque)
             rates = bench.rates(loaded)
         except (InputError, SolveError) as error:
-            remarks += (f"worn out after {done:.4g} turns of the pinion, {done / turns:.0%} of this life: {error}",)
+            remarks += (f"The life ends after {done:.4g} turns of the pinion, {done / turns:.0%} of those asked for: {error}.",)
             break
         done = turns if done + step >= turns * (1.0 - SHORTEST) else done + step
         step = following

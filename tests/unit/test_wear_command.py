@@ -105,7 +105,7 @@ def test_a_life_that_wears_teeth_out_ends_early(monkeypatch):
     assert short.turns.size == 5
     assert 0.0 < short.turns[-1] < 1e7
     assert "no load sharing" in short.remarks[0]
-    assert "worn out after" in short.remarks[0]
+    assert "The life ends after" in short.remarks[0]
 
 
 def test_flanks_worn_deep_are_written_and_read_again(tmp_path):
