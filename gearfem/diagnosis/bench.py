@@ -80,12 +80,41 @@ class Oscillator(Record):
     acceleration: float
 
 
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Swing(Record):
+    """A motion at n angles, and how small errors of the teeth change it.
+
+    Parameters
+    ----------
+    weights : Weights
+        Of the teeth under the load that the motion puts on them.
+    stiffness : ndarray, shape (n,)
+        Slope of the force of the mesh over its deflection [N/m].
+    damping : float
+        Of the mesh [N s/m].
+    mass : float
+        Reduced mass of the gears on the line of action [kg].
+    acceleration : float
+        Angular acceleration of the pinion per second derivative of the transmission error [rad/m].
+    """
+
+    weights: Weights
+    stiffness: Array
+    damping: float
+    mass: float
+    acceleration: float
+
+
 class Bench(Protocol):
     """A model on the bench."""
 
     @property
     def pair(self) -> GearPair:
         """The gears."""
+
+    @property
+    def delay(self) -> float:
+        """Time by which the instrument reads late [s]."""
 
     def predict(self, record: Measurement, settings: Settings) -> Array:
         """Return what the record would read [SI], shape (n,): its axis in true angles plus no constant, instrument included."""
@@ -95,3 +124,9 @@ class Bench(Protocol):
 
     def oscillator(self, torque: float, settings: Settings) -> Oscillator:
         """Return the oscillator of the mesh at a stated torque [N m]."""
+
+    def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
+        """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s]."""
+
+    def read(self, motion: Array, step: float) -> Array:
+        """Return what the instrument's resonances make of motions at equal steps of time [s], shape (n, k)."""

@@ -67,6 +67,8 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     early = _fit(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset), EARLY)
     progress("nuisances", 2, 3)
     alone = _fit(problem, early.settings)
+    problem.remember(alone)
+    alone = problem.fit((), problem.prepare((), alone.point.unknown), fresh=True)
     progress("nuisances", 3, 3)
     return Comparison(problem=problem, alone=alone, shifts=_shifts(problem, alone), records=_compared(problem, alone))
 

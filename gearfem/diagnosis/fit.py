@@ -17,7 +17,8 @@ from gearfem.foundation import Array, InputError, Record, SolveError
 if TYPE_CHECKING:
     from gearfem.diagnosis.problem import Problem
 
-ROUNDS, HALVINGS, SETTLED = 7, 3, 1.0
+# Rounds after which derivatives are taken again; between them Broyden's corrections do.
+ROUNDS, HALVINGS, SETTLED, EXACT = 9, 3, 1.0, 3
 DIFFERENCE = 0.03
 
 
@@ -58,7 +59,9 @@ class Fit(Record):
     white: Array
 
 
-def fit(problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
+def fit(
+    problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf, fresh: bool = False
+) -> Fit:
     """Fit the parameters of effects and all nuisances.
 
     Parameters
@@ -73,6 +76,8 @@ def fit(problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: i
         Rounds at most.
     hopeless : float
         Objective that a fit must promise to reach; one that will not is given up where it stands.
+    fresh : bool
+        Whether the derivatives over scales and zero are taken in every round rather than by `Problem.prepare`, at ten times the cost.
 
     Returns
     -------
@@ -87,17 +92,20 @@ def fit(problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: i
     -----
     Gauss and Newton's method on the objective that is left when everything linear (offsets, teeth, model form) has been
     eliminated. Bounded least squares give the step of the parameters and of the scales, and steps that do not help are
-    shortened. Columns of what is linear are those of the last `prepare`.
+    shortened. Derivatives are corrected by what each step shows, and taken again every third round and before the fit ends. Columns of
+    what is linear are those of the last `prepare`.
     """
     point = problem.at(effects, unknown)
-    derivatives = jacobian(problem, point)
+    derivatives, exact = jacobian(problem, point, fresh), True
     for number in range(rounds):
-        if number:
-            derivatives = jacobian(problem, point)
         ahead = _ahead(problem, point, derivatives)
-        gained, point = point.objective - ahead.objective, ahead
-        if gained < SETTLED + 1e-4 * point.objective or (number > 0 and point.objective - 3.0 * gained > hopeless):
+        gained, small = point.objective - ahead.objective, SETTLED + 1e-4 * point.objective
+        if (gained < small and exact) or (number > 0 and point.objective - 3.0 * gained > hopeless):
+            point = ahead
             break
+        exact = gained < small or number % EXACT == EXACT - 1
+        derivatives = jacobian(problem, ahead, fresh) if exact else _corrected(problem, derivatives, point, ahead)
+        point = ahead
     left = problem.left(point)
     white = problem.whiten(left)
     return Fit(
@@ -113,7 +121,7 @@ def fit(problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: i
     )
 
 
-def jacobian(problem: Problem, point: Point) -> Array:
+def jacobian(problem: Problem, point: Point, fresh: bool = False) -> Array:
     """Return the whitened derivatives of all records over parameters and scales, the former by one-sided differences."""
     values, sizes = parameters.values(point.effects), parameters.sizes(point.effects, problem.campaign.setup)
     low, high = parameters.bounds(point.effects, problem.campaign.setup)
@@ -126,7 +134,17 @@ def jacobian(problem: Problem, point: Point) -> Array:
         moved = problem.predict(parameters.moved(point.effects, ahead), point.unknown)
         change = problem.whiten(tuple(a - b for a, b in zip(moved, point.predicted, strict=True)))
         columns.append(change / (ahead[place] - value))
-    return np.column_stack([*columns, problem.scales])
+    return np.column_stack([*columns, problem.slopes(point) if fresh else problem.scales])
+
+
+def _corrected(problem: Problem, derivatives: Array, point: Point, ahead: Point) -> Array:
+    """Return derivatives that foretell the step just made and are what they were across it (Broyden's)."""
+    sizes = np.concatenate([parameters.sizes(point.effects, problem.campaign.setup), np.ones(problem.outer)])
+    moved = parameters.values(ahead.effects) - parameters.values(point.effects)
+    step = np.concatenate([moved, ahead.unknown[: problem.outer] - point.unknown[: problem.outer]]) / sizes
+    change = problem.whiten(tuple(a - b for a, b in zip(ahead.predicted, point.predicted, strict=True)))
+    scaled = derivatives * sizes
+    return np.asarray((scaled + np.outer(change - scaled @ step, step / (step @ step))) / sizes)
 
 
 def _ahead(problem: Problem, point: Point, derivatives: Array) -> Point:

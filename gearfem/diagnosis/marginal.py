@@ -123,8 +123,8 @@ def marginal(columns: tuple[Array, ...]) -> Marginal:
     return Marginal(columns=columns, products=tuple(part.T @ part for part in columns), weights=np.ones(len(columns)))
 
 
-def profile(square: Array, rows: Array, floor: Array) -> tuple[Array, Array]:
-    """Return the cost of whitened squares when the noise of a record may be larger than stated, and the weights that belong to it.
+def profile(square: Array, rows: Array, floor: Array, memory: Array) -> tuple[Array, Array]:
+    """Return the cost of whitened squares when a model is not exact, and the weights that belong to it.
 
     Parameters
     ----------
@@ -134,6 +134,8 @@ def profile(square: Array, rows: Array, floor: Array) -> tuple[Array, Array]:
         Number of its rows.
     floor : ndarray, shape (r,)
         Least mean square that can be expected of each record, at least 1: noise, and the errors of a model of finite accuracy.
+    memory : ndarray, shape (r,)
+        Rows over which errors of the model stay alike, at least 1; noise is whitened and has none.
 
     Returns
     -------
@@ -141,8 +143,37 @@ def profile(square: Array, rows: Array, floor: Array) -> tuple[Array, Array]:
 
     Notes
     -----
-    -2 ln L with the variance s^2 >= floor at its likeliest: square/s^2 + m ln s^2, s^2 = max(floor, square/m). A record that no
-    model meets counts by the logarithm of its misfit, so that it does not drown those that are met.
+    Of a mean square q >= floor, 1/q is noise and the rest is error of the model, of which only one row in `memory` tells something new.
+    With -2 ln L = square/s^2 + m ln s^2 of a variance s^2 = q at its likeliest, d cost/dq = m/q (1/q + (1 - 1/q)/memory), which is m where
+    noise alone is left and m/(memory q) far above it: the cost of a record that no model meets grows by the logarithm of its
+    misfit, and as slowly as if it had m/memory rows. Below the floor the slope stays what it is there.
     """
-    spread = np.maximum(square / rows, floor)
-    return square / spread + rows * np.log(spread), 1.0 / spread
+    mean = square / rows
+    level = np.maximum(mean, floor)
+    below, slope = ((1.0 / q + (1.0 - 1.0 / q) / memory) / q for q in (floor, level))
+    above = (1.0 - 1.0 / memory) * (1.0 / floor - 1.0 / level) + np.log(level / floor) / memory
+    return rows * (below * np.minimum(mean, floor) + above), slope
+
+
+def memory_of(white: Array) -> float:
+    """Return over how many rows what is left of a record stays alike, at least 1.
+
+    Parameters
+    ----------
+    white : ndarray, shape (m,)
+        Whitened rows of one record as a fit leaves them.
+
+    Notes
+    -----
+    1 + 2 sum rho_k^2, Bartlett's number of rows for one independent square, over lags up to a quarter of the record; rho is that of what
+    is left above the noise, and what chance adds to it is taken off.
+    """
+    count = len(white)
+    spectrum = np.abs(np.fft.rfft(white - white.mean(), 2 * count)) ** 2
+    covariance = np.fft.irfft(spectrum)[: max(count // 4, 2)]
+    level = float(np.mean(white**2))
+    if covariance[0] <= 0.0 or level <= 1.0:
+        return 1.0
+    rho = covariance[1:] / covariance[0]
+    square = np.maximum(rho**2 - 1.0 / count, 0.0) / (1.0 - 1.0 / max(level, 2.0)) ** 2
+    return 1.0 + 2.0 * float(np.minimum(square, 1.0).sum())

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy.stats import chi2
 
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.identify import Identifiability, identify
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import Candidate, rank, rank_again, together
 from gearfem.diagnosis.side_by_side import side_by_side
@@ -31,8 +33,10 @@ FURTHER = 0.05
 # Explanations closer than this cannot be told apart; shapes of real effects differ from ours, by this share of what they explain.
 THRESHOLD, SHAPE = 10.0, 0.03
 FITTED, PAIRED, MOST = 6, 3, 3
+# Explanations that are fitted again, with derivatives taken where they stand, before the search goes on; further ones after that.
+SETTLED, FURTHER_SETTLED = 3, 2
 # Rivals that are fitted again beside the best explanation: those within this share of what it gains.
-NEAR, RIVALS, AGAIN = 0.3, 5, 2
+NEAR, RIVALS = 0.3, 3
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 # Share of the gap that names must close: less is no explanation, and more brings it to the noise.
@@ -82,6 +86,8 @@ class Naming(Record):
         Share of the gap that the best explanation closes.
     rivals : tuple of Rival
         Other explanations that were fitted, best first.
+    identifiable : tuple of Identifiability
+        What these records can show of each effect.
     threshold : float
         Score difference below which two explanations count as one.
     sentence : str
@@ -97,9 +103,14 @@ class Naming(Record):
     p_values: tuple[float, ...]
     closed: float
     rivals: tuple[Rival, ...]
+    identifiable: tuple[Identifiability, ...]
     threshold: float
     sentence: str
     reasons: tuple[str, ...]
+
+
+# Where a fit starts: effects, and nuisances other than those of the fit it builds on.
+Start: TypeAlias = tuple[tuple[Effect, ...], Array | None]
 
 
 class _Search:
@@ -110,51 +121,60 @@ class _Search:
         self.fits: dict[tuple[object, ...], Fit] = {(): alone}
         self.rows = len(alone.white)
 
-    def fit(self, starts: Sequence[tuple[Effect, ...]], base: Fit, progress: Progress = quiet, words: str = "effects") -> None:
-        """Fit sets of effects from the nuisances of a fit, each set of names, gears and teeth once."""
-        new = [effects for effects in starts if label(effects) not in self.fits]
+    def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects") -> None:
+        """Fit sets of effects, each set of names, gears and teeth once."""
+        new = [start for start in starts if label(start[0]) not in self.fits]
         best = min(fit.objective for fit in self.fits.values())
         worth = self.alone.objective - 0.5 * (self.alone.objective - best)
 
-        def one(effects: tuple[Effect, ...]) -> Fit | None:
+        def one(start: Start) -> Fit | None:
             try:
-                return self.problem.fit(effects, self.start(effects, base), hopeless=worth)
+                return self.problem.fit(start[0], self.start(start, base), hopeless=worth)
             except (InputError, SolveError):
                 return None
 
-        for number, (effects, found) in enumerate(zip(new, side_by_side(one, new), strict=True)):
+        for number, (start, found) in enumerate(zip(new, side_by_side(one, new), strict=True)):
             progress(words, number, len(new))
             if found is not None:
-                self.fits[label(effects)] = found
+                self.fits[label(start[0])] = found
         progress(words, max(len(new), 1), max(len(new), 1))
 
-    def start(self, effects: tuple[Effect, ...], base: Fit) -> Array:
-        """Return the nuisances from which effects leave less: those of a fit without them, or scales as the model has them.
+    def start(self, start: Start, base: Fit) -> Array:
+        """Return the nuisances from which effects leave least: those of a fit without them, scales as the model has them, or the start's.
 
         Scales that did the work of a missing effect stand far off, where derivatives mean little.
         """
+        effects, own = start
         neutral = base.point.unknown.copy()
         names = [nuisance.name for nuisance in self.problem.nuisances]
         neutral[[place for place, word in enumerate(names) if word != "angle_offset"]] = 0.0
-        starts = (base.point.unknown, neutral)
+        starts = (base.point.unknown, neutral, *([] if own is None else [own]))
         return min(starts, key=lambda unknown: self.problem.at(effects, unknown).objective)
 
-    def again(self) -> None:
-        """Take the derivatives of all nuisances again at the best fit, and fit it, its nearest rivals and the nuisances alone anew."""
-        best = self.best()
-        gained = self.alone.objective - best.objective
-        near = sorted(self.fits.values(), key=lambda fit: fit.objective)
-        kept = [fit for fit in near if fit is not best and fit.effects and fit.objective - best.objective < NEAR * gained][:RIVALS]
-        self.problem.prepare(best.effects, best.point.unknown)
-        jobs = [self.alone, best, *kept]
+    def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
+        """Fit explanations again, each with derivatives taken where it stands."""
 
         def one(fit: Fit) -> Fit:
-            return self.problem.fit(fit.effects, fit.point.unknown)
+            own = copy.copy(self.problem)
+            return own.fit(fit.effects, own.prepare(fit.effects, fit.point.unknown), fresh=True)
 
-        fits = list(side_by_side(one, jobs))
-        self.alone, self.fits = fits[0], {label(fit.effects): fit for fit in fits}
-        parts = [best.effects[:out] + best.effects[out + 1 :] for out in range(len(best.effects))] if len(best.effects) > 1 else []
-        self.fit(parts, fits[1])
+        for number, fit in enumerate(side_by_side(one, fits)):
+            progress(words, number, len(fits))
+            self.fits[label(fit.effects)] = fit
+        progress(words, max(len(fits), 1), max(len(fits), 1))
+        self.alone = self.fits[()]
+
+    def first(self, most: int) -> list[Fit]:
+        """Return the best explanations with effects, at most so many."""
+        return sorted((fit for fit in self.fits.values() if fit.effects), key=self.score)[:most]
+
+    def rivals(self) -> list[Fit]:
+        """Return the explanations that come near the best one, and what is left of that without each of its effects."""
+        best = self.best()
+        gained = self.alone.objective - best.objective
+        parts = {label(effects) for effects, _ in _without_one(best)} if len(best.effects) > 1 else set()
+        near = [fit for fit in self.first(len(self.fits)) if fit is not best and fit.objective - best.objective < NEAR * gained][:RIVALS]
+        return near + [fit for key, fit in self.fits.items() if key in parts and all(fit is not other for other in near)]
 
     def cost(self, effects: tuple[Effect, ...]) -> float:
         """Return what an explanation pays for its parameters and for the teeth and gears among which it was chosen."""
@@ -215,21 +235,30 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     search = _Search(problem, alone)
     _prepare_width(problem, kinds, progress)
     first = rank(problem, alone, kinds, progress)
+    shown = identify(problem, alone, first)
     _singles(search, alone, first, progress)
     _pairs(search, alone, first, progress)
+    search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
     for count in range(1, MOST):
         best = search.best()
         if len(best.effects) != count:
             break
-        again = [c for c in rank_again(problem, best, first) if c.gain > DETECTED and c.effect.name not in _taken(best)]
+        problem.prepare(best.effects, best.point.unknown)
+        again = [c for c in rank_again(problem, best, first, progress) if c.gain > DETECTED and c.effect.name not in _taken(best)]
         setup = problem.campaign.setup
-        search.fit([(*best.effects, candidate.start(setup)) for candidate in again[:PAIRED]], best, progress, "further effects")
+        starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in again[:PAIRED]]
+        search.fit(starts, best, progress, "further effects")
+        search.settle([fit for fit in search.first(SETTLED) if len(fit.effects) == count + 1][:FURTHER_SETTLED], progress, "these again")
     _eliminate(search)
-    for _ in range(AGAIN if search.best().effects else 1):
-        progress("rivals again", 0, 1)
-        search.again()
-    progress("rivals again", 1, 1)
-    return _verdict(search, first)
+    best = search.best()
+    problem.prepare(best.effects, best.point.unknown)
+    problem.remember(best)
+    jobs = [search.alone, *([best] if best.effects else []), *search.rivals()]
+    search.fits = {}
+    search.settle(jobs, progress, "rivals again")
+    best = search.best()
+    problem.prepare(best.effects, best.point.unknown)
+    return _verdict(search, shown)
 
 
 def _prepare_width(problem: Problem, kinds: Mapping[str, type[Effect]], progress: Progress) -> None:
@@ -251,7 +280,9 @@ def _taken(best: Fit) -> set[str]:
 
 def _singles(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
     chosen = [c for c in candidates if c.gain > DETECTED / 8.0][:FITTED]
-    search.fit([(candidate.start(search.problem.campaign.setup),) for candidate in chosen], alone, progress, "single effects")
+    setup = search.problem.campaign.setup
+    starts: list[Start] = [((candidate.start(setup),), candidate.unknown) for candidate in chosen]
+    search.fit(starts, alone, progress, "single effects")
 
 
 def _pairs(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
@@ -262,17 +293,23 @@ def _pairs(search: _Search, alone: Fit, candidates: tuple[Candidate, ...], progr
     single = alone.objective - search.best(1).objective
     chosen = [pair for gain, pair in gains if gain > single + DETECTED][:1]
     setup = search.problem.campaign.setup
-    search.fit([tuple(candidate.start(setup) for candidate in pair) for pair in chosen], alone, progress, "pairs of effects")
+    starts: list[Start] = [(tuple(candidate.start(setup) for candidate in pair), pair[0].unknown) for pair in chosen]
+    search.fit(starts, alone, progress, "pairs of effects")
 
 
 def _eliminate(search: _Search) -> None:
     """Fit the best explanation without each of its effects."""
     best = search.best()
     if len(best.effects) > 1:
-        search.fit([best.effects[:out] + best.effects[out + 1 :] for out in range(len(best.effects))], best)
+        search.fit(_without_one(best), best)
 
 
-def _verdict(search: _Search, candidates: tuple[Candidate, ...]) -> Naming:
+def _without_one(fit: Fit) -> list[Start]:
+    """Return the effects of a fit, each left out in turn."""
+    return [(fit.effects[:out] + fit.effects[out + 1 :], None) for out in range(len(fit.effects))]
+
+
+def _verdict(search: _Search, shown: tuple[Identifiability, ...]) -> Naming:
     alone = search.alone
     best = search.best()
     scores = {key: search.score(fit) for key, fit in search.fits.items()}
@@ -306,6 +343,7 @@ def _verdict(search: _Search, candidates: tuple[Candidate, ...]) -> Naming:
         p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
         closed=closed,
         rivals=rivals,
+        identifiable=shown,
         threshold=threshold,
         sentence=_sentence(verdict, named, closed),
         reasons=(),

@@ -11,8 +11,9 @@ from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.columns import make_columns
 from gearfem.diagnosis.fit import ROUNDS, Fit, fit
-from gearfem.diagnosis.marginal import Marginal, profile
+from gearfem.diagnosis.marginal import Marginal, memory_of, profile
 from gearfem.diagnosis.noise import Noise
+from gearfem.diagnosis.nuisances import slopes
 from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.system_bench import SystemBench, bench_of
 from gearfem.diagnosis.teeth import Scatter
@@ -54,8 +55,9 @@ class Problem:
         Of all whitened rows over the outer unknowns.
     linear, whole : Marginal
         The inner unknowns, and all of them.
-    floor, counts : ndarray, shape (r,)
-        Least mean square that can be expected of the whitened rows of each record, and their number.
+    floor, counts, memory : ndarray, shape (r,)
+        Least mean square that can be expected of the whitened rows of each record, their number, and over how many of them errors of
+        the model stay alike.
     """
 
     columns: tuple[Array, ...]
@@ -76,7 +78,7 @@ class Problem:
         self.unknowns = unknowns_of(campaign, records, scatter or Scatter())
         self.nuisances = self.unknowns.nuisances
         self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
-        self.weights = np.ones(len(records))
+        self.weights, self.memory = np.ones(len(records)), np.ones(len(records))
         self.counts = np.array([float(record.keep.sum()) for record in records])
 
     @property
@@ -106,6 +108,10 @@ class Problem:
         self.linear = self.whole.first(inner)
         self.scales = np.concatenate([part[:, inner:] for part in self.whole.columns])
         return np.concatenate([unknown, np.zeros(self.outer + inner - len(unknown))])
+
+    def remember(self, fit: Fit) -> None:
+        """Take over how many rows the errors of the model stay alike from what a fit leaves."""
+        self.memory = np.array([memory_of(fit.white[rows]) for rows in self.linear.rows])
 
     # ---- points ---------------------------------------------------------------------------------
 
@@ -160,6 +166,12 @@ class Problem:
         residual = self.effective(point)
         return lambda vectors: whole.measure(vectors, residual)
 
+    def slopes(self, point: Point) -> Array:
+        """Return the whitened derivatives of all records over the outer unknowns where a point stands, shape (m, outer)."""
+        bench, settings, outer = self.bench(point.effects), self.settings(point.unknown), point.unknown[: self.outer]
+        both = zip(self.records, point.predicted, strict=True)
+        return self.whiten(tuple(slopes(record, bench, settings, self.nuisances, outer, here) for record, here in both))
+
     def whiten(self, series: tuple[Array, ...]) -> Array:
         """Return series in the rows of the records whitened and one below the other."""
         return np.concatenate([noise.whitener.apply(part) for noise, part in zip(self.noises, series, strict=True)])
@@ -177,14 +189,14 @@ class Problem:
         """Return the linear unknowns that leave least of a residual, what it costs, and the weights that its records deserve."""
         linear = self.linear.weighed(weights)
         solved = linear.solve(residual)
-        cost, deserved = profile(self.squares(residual - linear.moved(solved)), self.counts, self.floor)
+        cost, deserved = profile(self.squares(residual - linear.moved(solved)), self.counts, self.floor, self.memory)
         return solved, float(cost.sum() + solved @ solved), deserved
 
     # ---- fitting --------------------------------------------------------------------------------
 
-    def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
+    def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf, fresh: bool = False) -> Fit:
         """Fit the parameters of effects and all nuisances, see `gearfem.diagnosis.fit.fit`."""
-        return fit(self, effects, unknown, rounds, hopeless)
+        return fit(self, effects, unknown, rounds, hopeless, fresh)
 
 
 def _floor(record: Measurement, noise: Noise) -> float:

@@ -2,27 +2,40 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
 import dataclasses
 import itertools
 import math
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearfem.definition.setup import Member, Setup
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Freed, Problem
 from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.zero import guess_zero
 from gearfem.effects.effect import MEMBERS, Effect, Parameter
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Further strengths at which an effect of all teeth is tried, as multiples of the typical one.
 DEEP, WIDE = (4.0, 16.0), (0.4, 2.5)
-# Rounds in which the strength of a candidate is improved.
-REFINED = 2
+# Rounds in which the strength of a candidate is improved, unless it promises less than this anyway.
+REFINED, WORTH = 2, 5.0
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
 PER_PITCH = 48
+# Shapes of an effect that are looked at in motion too.
+LIKELIEST = 2
+# Natural frequencies at which a resonance is tried [Hz].
+FREQUENCIES = 500.0, 8000.0
+# Part of the expected square beyond which nuisances alone may have found a wrong zero of the angle.
+LOST = 5.0
+# Effects of all teeth that are looked at again beside what is found.
+LOOKED_AT = 8
 # Teeth that are looked at in full, of each effect of one tooth.
 TEETH = 2
 
@@ -45,6 +58,8 @@ class Candidate(Record):
         Length of the signature that nuisances and model form leave, in standard deviations.
     share : float
         That length over the length before.
+    unknown : ndarray, shape (k,), or None
+        Nuisances other than the fit's under which it was tried and from which a fit would start.
     """
 
     effect: Effect
@@ -53,6 +68,7 @@ class Candidate(Record):
     signature: Array
     visible: float
     share: float
+    unknown: Array | None
 
     def start(self, setup: Setup) -> Effect:
         """Return the effect at the strength that would lower the objective most, within its bounds."""
@@ -83,22 +99,12 @@ def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progres
     tuple of Candidate
         One for each effect and gear, two for effects of one tooth; those without any response are left out.
     """
-    found: list[Candidate] = []
-    freed = problem.freed(base.point)
     jobs = [(kind, member) for kind in kinds.values() for member in (MEMBERS if kind.of_one_gear() else MEMBERS[:1])]
-
-    def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
-        starts = _starts(problem, base, *job)
-        return [best for start in starts if (best := _best(problem, base, freed, start)) is not None]
-
-    for number, several in enumerate(side_by_side(one, jobs)):
-        progress("candidates", number, len(jobs))
-        found += several
-    progress("candidates", len(jobs), len(jobs))
-    return tuple(sorted(found, key=lambda candidate: -candidate.gain))
+    # The longest first, so that all cores end together.
+    return _ranked(problem, base, sorted(jobs, key=lambda job: not _stands(job[0].example(problem.campaign.setup))), progress, "candidates")
 
 
-def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], progress: Progress = quiet) -> tuple[Candidate, ...]:
     """Return candidates in the order of what they would explain beside effects that have been fitted.
 
     Parameters
@@ -106,21 +112,38 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...]) -
     problem, base : Problem, Fit
         The fit with effects.
     candidates : tuple of Candidate
-        From `rank` for the nuisances alone.
+        From `rank` for the nuisances alone: their signatures tell which effects are worth another look.
+    progress : Progress
+        Told after each effect.
 
     Returns
     -------
     tuple of Candidate
-        Their signatures are those of the model without effects, except that effects of one tooth are tried on all teeth again.
+        Effects of all teeth that are named already are left out.
     """
-    freed = problem.freed(base.point)
+    freed, setup = problem.freed(base.point), problem.campaign.setup
+    teeth = {(type(c.effect), c.effect.member): None for c in candidates if hasattr(c.effect, "tooth")}
+    whole = [c for c in candidates if not hasattr(c.effect, "tooth")]
+    likely = sorted(whole, key=lambda c: -_scored(c.effect, c.signature, freed, setup, c.unknown).gain)
+    named = {(type(effect), effect.member) for effect in base.effects}
+    others = {kind: None for c in likely[:LOOKED_AT] if (kind := (type(c.effect), c.effect.member)) not in named}
+    return _ranked(problem, base, [*teeth, *others], progress, "candidates beside what is found")
+
+
+def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]], progress: Progress, words: str) -> tuple[Candidate, ...]:
     found: list[Candidate] = []
-    for kind, member in {(type(c.effect), c.effect.member): None for c in candidates if hasattr(c.effect, "tooth")}:
-        starts = _starts(problem, base, kind, member)
-        found += [candidate for start in starts if (candidate := _candidate(problem, base, freed, start))]
-    for candidate in candidates:
-        if not hasattr(candidate.effect, "tooth"):
-            found.append(_scored(candidate.effect, candidate.signature, freed, problem.campaign.setup))
+    freed = problem.freed(base.point)
+
+    def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
+        starts = _starts(problem, base, *job)
+        if _stands(starts[0]):
+            return [fitted for start in starts if (fitted := _fitted(problem, base, start)) is not None]
+        return [best for start in starts if (best := _best(problem, base, freed, start)) is not None]
+
+    for number, several in enumerate(side_by_side(one, jobs)):
+        progress(words, number, len(jobs))
+        found += several
+    progress(words, len(jobs), len(jobs))
     return tuple(sorted(found, key=lambda candidate: -candidate.gain))
 
 
@@ -185,20 +208,118 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
 
 def _best(problem: Problem, base: Fit, freed: Freed, start: Effect) -> Candidate | None:
     """Return the effect at the shape, and then the strength, that explain most."""
-    candidates = [_candidate(problem, base, freed, effect) for effect in _shapes(start, problem.campaign.setup)]
+    candidates = [_candidate(problem, base, freed, effect, unknown) for effect, unknown in _likeliest(problem, base, start)]
     good = [candidate for candidate in candidates if candidate is not None]
     if not good:
         return None
     best = max(good, key=lambda candidate: candidate.gain)
     setup = problem.campaign.setup
-    for _ in range(REFINED):
+    for _ in range(REFINED if best.gain > WORTH else 0):
         # Half way from here to where the response would end if it were linear, since it bends.
         strength = best.amplitude if best.amplitude < 1.0 else 0.5 * (1.0 + best.amplitude)
-        other = _candidate(problem, base, freed, _bounded(best.effect.scaled(min(strength, 3.0), setup), setup))
+        effect = _bounded(best.effect.scaled(min(strength, 3.0), setup), setup)
+        other = _candidate(problem, base, freed, effect, best.unknown)
         if other is None or other.gain <= best.gain:
             break
         best = other
     return best
+
+
+def _fitted(problem: Problem, base: Fit, start: Effect) -> Candidate | None:
+    """Return an effect that cannot be scaled as fits from several places find it."""
+    moving = np.array([record.quantity.moving for record in problem.records])
+    if not moving.any() and start.stage in ("sensing", "drive"):
+        return None
+    lost = bool(moving.any() and (base.squares / problem.floor)[moving].max() > LOST)
+    starts = [
+        ((*base.effects, effect), unknown)
+        for effect in _shapes(start, problem.campaign.setup)[:: 1 if lost else 3]
+        for unknown in _elsewhere(problem, base, effect) or [base.point.unknown]
+    ]
+    found = _fits(problem, starts, 2, lost)
+    ahead = sorted(found, key=lambda fit: fit.objective)[:2]
+    best = min(_fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost), key=lambda fit: fit.objective, default=None)
+    if best is None:
+        return None
+    signature = problem.whiten(tuple(a - b for a, b in zip(best.point.predicted, base.point.predicted, strict=True)))
+    if not signature @ signature > 0.0:
+        return None
+    scored = _scored(best.effects[-1], signature, problem.freed(base.point), problem.campaign.setup, best.point.unknown)
+    return dataclasses.replace(scored, gain=max(base.objective - best.objective, 0.0), amplitude=1.0)
+
+
+def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, fresh: bool) -> list[Fit]:
+    found = []
+    for effects, unknown in starts:
+        with contextlib.suppress(InputError, SolveError):
+            found.append(problem.fit(effects, unknown, rounds, fresh=fresh))
+    return found
+
+
+def _likeliest(problem: Problem, base: Fit, start: Effect) -> list[tuple[Effect, Array | None]]:
+    """Return the shapes of an effect, and the nuisances, that explain most of the slow records, which cost a hundredth of motions.
+
+    All shapes where slow records are blind to it or missing.
+    """
+    shapes = _shapes(start, problem.campaign.setup)
+    every = [(effect, unknown) for effect in shapes for unknown in (None, *_elsewhere(problem, base, effect)[:1])]
+    places = np.flatnonzero([not record.quantity.moving for record in problem.records])
+    if not len(places):
+        return every
+    slow = _part(problem, places)
+    level = dataclasses.replace(base, point=slow.at(base.effects, base.point.unknown), squares=base.squares[places])
+    freed = slow.freed(level.point)
+    found = [
+        candidate
+        for effect in shapes
+        for unknown in (None, *_elsewhere(slow, level, effect))
+        if (candidate := _candidate(slow, level, freed, effect, unknown)) is not None
+    ]
+    found.sort(key=lambda candidate: -candidate.gain)
+    return [(candidate.effect, candidate.unknown) for candidate in found[:LIKELIEST]] or every
+
+
+def _part(problem: Problem, places: NDArray[Any]) -> Problem:
+    """Return the same problem with some of its records alone."""
+    part = copy.copy(problem)
+    part.records, part.noises = tuple(problem.records[i] for i in places), tuple(problem.noises[i] for i in places)
+    part.columns = tuple(problem.columns[i] for i in places)
+    part.scales = np.concatenate([problem.scales[problem.linear.rows[i]] for i in places])
+    part.linear, part.whole = problem.linear.part(places), problem.whole.part(places)
+    part.weights, part.memory = problem.weights[places], problem.memory[places]
+    part.floor, part.counts = problem.floor[places], problem.counts[places]
+    return part
+
+
+def _elsewhere(problem: Problem, base: Fit, effect: Effect) -> list[Array]:
+    """Return nuisances other than those of a fit that is far from the records, from which an effect may lead nearer.
+
+    Scales as the model has them, since those of the fit do the work of what is missing; and zeros of the pinion angle as they look with
+    the effect in the model, since effects that change all flanks much move the mesh lines.
+    """
+    if (base.squares / problem.floor).max() < LOST:
+        return []
+    names = [nuisance.name for nuisance in problem.nuisances]
+    neutral = base.point.unknown.copy()
+    neutral[[place for place, word in enumerate(names) if word != "angle_offset"]] = 0.0
+    if "angle_offset" not in names or effect.repeats != "every tooth" or effect.stage not in ("flank", "placement"):
+        return [neutral]
+    place = names.index("angle_offset")
+    over = [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle" and not record.quantity.moving]
+    if not over:
+        return [neutral]
+    try:
+        effect.check(problem.campaign.setup)
+        records, spread = tuple(problem.records[i] for i in over), tuple(problem.noises[i].std for i in over)
+        shifts = guess_zero(records, problem.bench((*base.effects, effect)), problem.settings(neutral), spread)
+    except (InputError, SolveError):
+        return [neutral]
+    found = [neutral]
+    for shift in shifts:
+        unknown = neutral.copy()
+        unknown[place] = shift / problem.nuisances[place].prior
+        found.append(unknown)
+    return found
 
 
 def _bounded(effect: Effect, setup: Setup) -> Effect:
@@ -212,20 +333,33 @@ def _bounded(effect: Effect, setup: Setup) -> Effect:
 
 def _shapes(effect: Effect, setup: Setup) -> list[Effect]:
     """Return the effect with all combinations of the parameters that say where and how it acts."""
-    fields = [field for field, known in effect.parameters().items() if known.neutral is None]
+    # A frequency is infinite at no effect, and says where it acts all the same.
+    fields = [field for field, known in effect.parameters().items() if known.neutral is None or known.reciprocal]
     options = [tries(known, setup, effect) for known in (effect.parameters()[field] for field in fields)]
+    if _stands(effect):
+        options = [
+            several if effect.parameters()[field].reciprocal else (getattr(effect, field),)
+            for field, several in zip(fields, options, strict=True)
+        ]
     shapes = [dataclasses.replace(effect, **dict(zip(fields, values, strict=True))) for values in itertools.product(*options)]
-    if effect.repeats == "one tooth" or not effect.strengths():
+    if effect.repeats == "one tooth" or not effect.strengths() or _stands(effect):
         return shapes
     # Far from typical sizes the response is not that of the typical one, scaled.
     sizes = DEEP if effect.stage == "flank" else WIDE
     return shapes + [_bounded(effect.scaled(size, setup), setup) for size in sizes]
 
 
+def _stands(effect: Effect) -> bool:
+    """Return whether an effect is tried as it stands: strengths that say where it acts, as a frequency does, cannot be scaled."""
+    return any(known.reciprocal for known in effect.parameters().values())
+
+
 def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
     """Return values at which a parameter that says where or how is tried."""
     low, high = known.bounds(setup, effect.member)
     typical = known.typically(setup, effect.member)
+    if known.unit == "Hz":
+        return tuple(float(f) for f in np.geomspace(*FREQUENCIES, 5))
     if known.unit == "rad":
         return tuple(math.pi * third for third in (-2.0 / 3.0, 0.0, 2.0 / 3.0))
     if low > 0.0 and high / low > 1e3:
@@ -234,27 +368,32 @@ def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
     return tuple(sorted({min(max(share * typical, low), high) for share in (0.5, 1.0, 1.8)}))
 
 
-def _candidate(problem: Problem, base: Fit, freed: Freed, effect: Effect) -> Candidate | None:
-    """Return how far an effect would explain what a fit leaves, each strength scaled on its own; None if it cannot be computed."""
+def _candidate(problem: Problem, base: Fit, freed: Freed, effect: Effect, unknown: Array | None = None) -> Candidate | None:
+    """Return how far an effect would explain what a fit leaves; None if it cannot be computed.
+
+    Under the nuisances of the fit its strength is scaled, unless the effect as it stands explains more; under others it is taken so.
+    """
     setup, point = problem.campaign.setup, base.point
     try:
         effect.check(setup)
-        moved = problem.predict((*point.effects, effect), point.unknown)
+        ahead = problem.at((*point.effects, effect), point.unknown if unknown is None else unknown, point.weights)
     except (InputError, SolveError):
         return None
-    signature = problem.whiten(tuple(a - b for a, b in zip(moved, point.predicted, strict=True)))
+    signature = problem.whiten(tuple(a - b for a, b in zip(ahead.predicted, point.predicted, strict=True)))
     if not signature @ signature > 0.0:
         return None
-    candidate = _scored(effect, signature, freed, setup)
+    candidate = _scored(effect, signature, freed, setup, unknown)
     if candidate.share <= 1e-6:
         return None
     # Where the response bends far, as where teeth separate, what it does as it stands tells more than its slope.
-    real = point.objective - problem.value(moved, point)
-    return dataclasses.replace(candidate, gain=real, amplitude=1.0) if real > candidate.gain else candidate
+    real = point.objective - ahead.objective
+    if unknown is None and candidate.gain >= real:
+        return candidate
+    return dataclasses.replace(candidate, gain=max(real, 0.0), amplitude=1.0)
 
 
-def _scored(effect: Effect, signature: Array, freed: Freed, setup: Setup) -> Candidate:
-    """Return a candidate with its gain against what is left."""
+def _scored(effect: Effect, signature: Array, freed: Freed, setup: Setup, unknown: Array | None = None) -> Candidate:
+    """Return a candidate with its gain against what is left, each strength scaled on its own."""
     gram, pulls = freed(signature[:, None])
     square, pull = max(float(gram[0, 0]), 1e-300), float(pulls[0])
     known = next((effect.parameters()[field] for field in effect.strengths()), None)
@@ -266,6 +405,7 @@ def _scored(effect: Effect, signature: Array, freed: Freed, setup: Setup) -> Can
         signature=signature,
         visible=math.sqrt(square),
         share=math.sqrt(square / float(signature @ signature)),
+        unknown=unknown,
     )
 
 

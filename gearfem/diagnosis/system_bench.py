@@ -7,17 +7,23 @@ import math
 from collections.abc import Iterable
 from functools import cached_property
 
+import numpy as np
+
 from gearfem.assembly import assemble
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.bench import Oscillator, Settings, Weights
+from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.variants import VARIANTS, Variant
+from gearfem.dynamics.turns import march_turns
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import standard_angles
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array, Record
 from gearfem.sensing import System
 from gearfem.sensing.requests import observe, requests
+
+# Part of the mean load below which the flanks of a motion count as apart.
+LEAST_LOAD = 0.02
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,6 +52,11 @@ class SystemBench(Record):
     def pair(self) -> GearPair:
         """The gears."""
         return self.system.setup.pair
+
+    @property
+    def delay(self) -> float:
+        """Time by which the instrument reads late [s]."""
+        return self.system.instrument.delay
 
     @cached_property
     def variants(self) -> tuple[SystemBench, ...]:
@@ -88,6 +99,39 @@ class SystemBench(Record):
             ratio=drive.damping_ratio * settings.damping_scale,
             acceleration=masses[1] / (masses[0] + masses[1]) / self.pair.pinion.base_radius,
         )
+
+    def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
+        """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s].
+
+        Weights and stiffness are those of the slow engagement under the force that the motion has at each angle. Where the flanks part,
+        small errors decide when they meet again, and nothing linear is true any more: the stated torque and its mean stiffness stand in.
+        """
+        system = self._system(settings)
+        turns, drive, base = Turns(mesh=system.mesh), system.drive, self.pair.pinion.base_radius
+        load = self._torque(torque, settings)
+        force = march_turns(turns, drive, angle, speed=speed, torque=load).mesh_force * base
+        parted = force <= LEAST_LOAD * load
+        held = static(turns, angle, np.where(parted, load, force))
+        stiffness = 1.0 / (held.slope * base)
+        mean = float(stiffness[~parted].mean())
+        masses = (drive.pinion_inertia / base**2, drive.wheel_inertia / self.pair.wheel.base_radius**2)
+        mass = masses[0] * masses[1] / (masses[0] + masses[1])
+        return Swing(
+            weights=Weights(pairs=held.pairs, pinion=held.pinion_weight, wheel=held.wheel_weight),
+            stiffness=np.full(len(angle), mean) if parted.any() else stiffness,
+            damping=2.0 * drive.damping_ratio * math.sqrt(mass * mean),
+            mass=mass,
+            acceleration=masses[1] / (masses[0] + masses[1]) / base,
+        )
+
+    def read(self, motion: Array, step: float) -> Array:
+        """Return what the instrument's resonances make of motions at equal steps of time [s], shape (n, k)."""
+        instrument = self.system.instrument
+        if not instrument.resonances:
+            return motion
+        # The series counts as repeating: its mirror image before it keeps the ends from ringing.
+        whole = np.concatenate([motion[::-1], motion])
+        return motion + np.column_stack([instrument.ringing(column, step)[len(motion) :] for column in whole.T])
 
     def _torque(self, stated: float, settings: Settings) -> float:
         return self.system.torque(stated) * settings.torque_scale / settings.stiffness_scale

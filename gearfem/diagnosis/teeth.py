@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
-from scipy.signal import cont2discrete, lfilter
 
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.bench import Bench, Oscillator, Settings, Weights
+from gearfem.diagnosis.bench import Bench, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.foundation import Array, Record
 from gearfem.foundation.units import UM
 
-# Ring-down to a thousandth before the record begins, at most so many turns of the pinion.
-RING_DOWN, LONGEST_LEAD = math.log(1e3), 4.0
+# Ring-down to a thousandth before the record begins, at most so many turns of the pinion; steps in parts of 1/omega.
+RING_DOWN, LONGEST_LEAD, STEP = math.log(1e3), 4.0, 0.15
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,8 +64,8 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
 
     Notes
     -----
-    Slow transmission error: the weight of each pair times the polynomial where it touches. At speed the columns of the slow one pass
-    the oscillator of the mean stiffness, x'' + 2 zeta omega x' + omega^2 (x - u) = 0, which leaves out the parametric part.
+    Slow transmission error: the weight of each pair times the polynomial where it touches. At speed the motion is linearised about
+    itself, with the weights and the stiffness that its forces give the teeth, see `respond`.
     """
     name, pair = record.quantity.name, bench.pair
     if name == "static_transmission_error":
@@ -87,11 +84,19 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     return out.reshape(len(record.axis), -1)
 
 
-def _polynomials(path: Array, pair: GearPair, terms: int) -> Array:
-    """Return Legendre polynomials of degree 0 to `terms` over the path of contact [m], 0 at the pitch point; shape (..., terms + 1)."""
+def _polynomials(path: Array, pair: GearPair, terms: int, derivative: int = 0) -> Array:
+    """Return Legendre polynomials of degree 0 to `terms` over the path of contact [m], 0 at the pitch point; shape (..., terms + 1).
+
+    Their derivative is that over the pinion angle.
+    """
     reach = 0.5 * (pair.approach_length + pair.recess_length)
     place = (path - 0.5 * (pair.recess_length - pair.approach_length)) / reach
-    return np.asarray(legendre.legvander(np.clip(place, -1.0, 1.0), terms))
+    values = legendre.legvander(np.clip(place, -1.0, 1.0), terms)
+    if not derivative:
+        return np.asarray(values)
+    slopes = legendre.legder(np.eye(terms + 1), axis=0)
+    inside = (np.abs(place) < 1.0)[..., None]
+    return np.asarray(np.where(inside, values[..., :terms] @ slopes, 0.0) * pair.pinion.base_radius / reach)
 
 
 def _path_of_roll(record: Measurement, pair: GearPair) -> Array:
@@ -99,13 +104,15 @@ def _path_of_roll(record: Measurement, pair: GearPair) -> Array:
     return sign * (record.axis - gear.base_radius * math.tan(pair.working_pressure_angle))
 
 
-def _slow(weights: Weights, angle: Array, pair: GearPair, terms: int) -> Array:
+def _slow(weights: Weights, angle: Array, pair: GearPair, terms: int, derivative: int = 0) -> Array:
+    """Return the weights times the polynomials, or times their slopes over the pinion angle; shape (n, (z1 + z2) (terms + 1))."""
     count, z1, z2 = len(angle), pair.pinion.teeth, pair.wheel.teeth
     out = np.zeros((count, z1 + z2, terms + 1))
     rows = np.arange(count)
     for slot in range(weights.pairs.shape[1]):
         number = weights.pairs[:, slot]
-        shape = _polynomials((angle / pair.pinion.pitch_angle - number) * pair.base_pitch, pair, terms)
+        path = (angle / pair.pinion.pitch_angle - number) * pair.base_pitch
+        shape = _polynomials(path, pair, terms, derivative)
         # Slots hold different teeth at one angle, so that plain sums do not collide.
         out[rows, number % z1] += weights.pinion[:, slot, None] * shape
         out[rows, z1 + number % z2] += weights.wheel[:, slot, None] * shape
@@ -115,42 +122,54 @@ def _slow(weights: Weights, angle: Array, pair: GearPair, terms: int) -> Array:
 def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:
     oscillator = bench.oscillator(record.pinion_torque, settings)
     speed = record.pinion_speed
-    step = min(float(np.median(np.diff(record.axis))), 0.15 * speed / oscillator.frequency)
+    axis = record.axis - speed * bench.delay
+    step = min(float(np.median(np.diff(axis))), STEP * speed / oscillator.frequency)
     ring = RING_DOWN * speed / (max(oscillator.ratio, 1e-3) * oscillator.frequency)
-    start = record.axis[0] - min(ring, LONGEST_LEAD * 2.0 * math.pi)
-    grid = np.arange(start, record.axis[-1] + 2.0 * step, step)
+    start = axis[0] - min(ring, LONGEST_LEAD * 2.0 * math.pi)
+    grid = np.arange(start, axis[-1] + 2.0 * step, step)
     angle = grid + settings.angle_offset
-    slow = _slow(bench.weights(angle, record.pinion_torque, settings), angle, bench.pair, terms)
-    moving = respond(slow, step / speed, oscillator, record.quantity.name == "pinion_angular_acceleration")
-    place = (record.axis - grid[0]) / step
+    swing = bench.swing(angle, record.pinion_torque, speed, settings)
+    errors, rates = (_slow(swing.weights, angle, bench.pair, terms, derivative) for derivative in (0, 1))
+    moving = respond(errors, speed * rates, swing, step / speed, record.quantity.name == "pinion_angular_acceleration")
+    moving = bench.read(moving, step / speed)
+    place = (axis - grid[0]) / step
     below = np.minimum(place.astype(int), len(grid) - 2)
     part = (place - below)[:, None]
     return np.asarray((1.0 - part) * moving[below] + part * moving[below + 1])
 
 
-def respond(excitation: Array, step: float, oscillator: Oscillator, acceleration: bool) -> Array:
-    """Return the response of the mesh to displacement excitations.
+def respond(errors: Array, rates: Array, swing: Swing, step: float, acceleration: bool) -> Array:
+    """Return the response of a motion to small errors of the teeth.
 
     Parameters
     ----------
-    excitation : ndarray, shape (n, k)
-        Slow transmission errors at equal steps of time [m].
+    errors, rates : ndarray, shape (n, k)
+        Errors as they weigh in the slow transmission error [m], and their rates [m/s], at equal steps of time.
+    swing : Swing
+        The motion at the same times.
     step : float
         Time step [s].
-    oscillator : Oscillator
-        Mean stiffness and damping of the mesh.
     acceleration : bool
         Whether the pinion's angular acceleration is wanted [rad/s2], or the transmission error [m].
 
     Returns
     -------
     ndarray, shape (n, k)
-        From rest at the first excitation; exact for excitations that run straight between the steps.
+        From rest at the first errors.
+
+    Notes
+    -----
+    m x'' + d (x' - u') + k(t) (x - u) = 0, linear about the motion, by Newmark's mean acceleration, whose waves are (omega step)^2/12
+    of their length too long.
     """
-    square = oscillator.frequency**2
-    above = [oscillator.acceleration * square, 0.0, 0.0] if acceleration else [square]
-    below = [1.0, 2.0 * oscillator.ratio * oscillator.frequency, square]
-    system: Any = cont2discrete((above, below), step, method="foh")
-    numerator: NDArray[Any] = np.atleast_2d(system[0])[0]
-    base = 0.0 if acceleration else excitation[0]
-    return np.asarray(lfilter(numerator, system[1], excitation - excitation[0], axis=0)) + base
+    place, rate, pull = errors[0].copy(), np.zeros(errors.shape[1]), np.zeros(errors.shape[1])
+    out = np.empty_like(errors)
+    damp = swing.damping
+    for number, stiff in enumerate(swing.stiffness):
+        if number:
+            ahead, faster = place + step * rate + 0.25 * step**2 * pull, rate + 0.5 * step * pull
+            force = stiff * (errors[number] - ahead) + damp * (rates[number] - faster)
+            pull = force / (swing.mass + 0.5 * step * damp + 0.25 * step**2 * stiff)
+            place, rate = ahead + 0.25 * step**2 * pull, faster + 0.5 * step * pull
+        out[number] = pull if acceleration else place
+    return swing.acceleration * out if acceleration else out

@@ -6,7 +6,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from gearfem.definition.setup import Setup
 from gearfem.diagnosis.diagnose import Diagnosis
+from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.name import Rival
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, stderr
@@ -23,6 +25,8 @@ HEADINGS = {
     "unexplained": "A gap without a name",
     "ambiguous": "Several explanations",
 }
+# Cosine beyond which two effects cannot be told apart unless they are strong.
+ALIKE = 0.95
 # Of a normal distribution.
 INTERVAL = 1.96
 CAPTIONS = {
@@ -90,6 +94,7 @@ def write_diagnosis_report(diagnosis: Diagnosis, out: Path) -> list[Path]:
         effects=naming.fit.effects,
         p_values=naming.p_values,
         rivals=[_rival(rival, naming.threshold) for rival in (diagnosis.alternatives or naming.rivals[:8])],
+        identifiable=[_identifiable(one, diagnosis.campaign.setup) for one in naming.identifiable],
         nuisances=nuisance_rows(diagnosis),
         finding=FINDING,
         gaps=[_gap(gap) for gap in diagnosis.proof.records],
@@ -131,6 +136,20 @@ def title(effect: Effect) -> str:
     if hasattr(effect, "tooth"):
         parts.append(f"on tooth {effect.tooth}")
     return " ".join(parts)
+
+
+def _identifiable(one: Identifiability, setup: Setup) -> dict[str, Any]:
+    least = one.effect.scaled(min(one.limit, 1.0), setup)
+    known = least.parameters()
+    size = [f"{getattr(least, field) / factor(least.key(field)):.3g} {_shown(known[field].unit)}".strip() for field in least.strengths()]
+    return {
+        "effect": title(one.effect).partition(" on tooth")[0],
+        "share": f"{one.share:.0%}",
+        "limit": (" and ".join(size) if size else "-") if one.limit < 1.0 else "more than is typical",
+        "rival": title(one.rival).partition(" on tooth")[0] if one.rival is not None else "none",
+        "overlap": f"{one.overlap:.2f}",
+        "alike": one.overlap > ALIKE,
+    }
 
 
 def _rival(rival: Rival, threshold: float) -> dict[str, Any]:

@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from gearfem.assembly import assemble
-from gearfem.diagnosis.bench import Oscillator, Settings, Weights, neutral
+from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
@@ -70,6 +71,10 @@ class Springs(SystemBench):
 
     def oscillator(self, torque: float, settings: Settings) -> Oscillator:
         return Oscillator(frequency=5e3, ratio=0.08, acceleration=10.0)
+
+    def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
+        steady = np.full(len(angle), 2.0 * 5e3**2)
+        return Swing(weights=self.weights(angle, torque, settings), stiffness=steady, damping=2.0 * 800.0, mass=2.0, acceleration=10.0)
 
 
 # Without errors of the model: what these springs measure they also predict.
@@ -191,16 +196,33 @@ def test_columns_of_teeth_are_derivatives() -> None:
 
 
 def test_errors_come_through_at_speed_as_the_oscillator_says() -> None:
-    oscillator = SPRINGS.oscillator(1.0, neutral(PAIR))
     step, rate = 1e-5, 3.1e3
     time = step * np.arange(60000)
-    moving = respond(np.sin(rate * time)[:, None], step, oscillator, acceleration=False)[40000:, 0]
-    gain = 1.0 / (1.0 - (rate / 5e3) ** 2 + 2j * 0.08 * rate / 5e3)
-    # Straight lines between the samples of a sine: (rate step)^2/12 of the amplitude.
-    assert moving == pytest.approx(np.imag(gain * np.exp(1j * rate * time[40000:])), abs=2e-4)
-    shaken = respond(np.sin(rate * time)[:, None], step, oscillator, acceleration=True)[40000:, 0]
-    # The same error, times (5e3/rate)^2 for the force that it makes, and the gain of the oscillator.
-    assert shaken == pytest.approx(-10.0 * rate**2 * np.imag(gain * np.exp(1j * rate * time[40000:])), abs=4e-4 * 10.0 * rate**2)
+    swing = SPRINGS.swing(time, 1.0, 1.0, neutral(PAIR))
+    errors, rates = np.sin(rate * time)[:, None], rate * np.cos(rate * time)[:, None]
+    moving = respond(errors, rates, swing, step, acceleration=False)[40000:, 0]
+    damped = 2j * 0.08 * rate / 5e3
+    gain = (1.0 + damped) / (1.0 - (rate / 5e3) ** 2 + damped)
+    # Newmark's waves are (5e3 step)^2/12 too long, which a gain of 1.6 below resonance doubles.
+    assert moving == pytest.approx(np.imag(gain * np.exp(1j * rate * time[40000:])), abs=8e-4)
+    shaken = respond(errors, rates, swing, step, acceleration=True)[40000:, 0]
+    assert shaken == pytest.approx(-10.0 * rate**2 * np.imag(gain * np.exp(1j * rate * time[40000:])), abs=1e-3 * 10.0 * rate**2)
+
+
+def test_errors_come_through_a_stiffness_that_varies_as_an_integrator_says() -> None:
+    step, rate, natural = 2e-6, 3.1e3, 5e3
+    time = step * np.arange(20000)
+    stiffness = 2.0 * natural**2 * (1.0 + 0.2 * np.sin(2.1 * rate * time))
+    swing = dataclasses.replace(SPRINGS.swing(time, 1.0, 1.0, neutral(PAIR)), stiffness=stiffness)
+    errors, rates = np.sin(rate * time)[:, None], rate * np.cos(rate * time)[:, None]
+
+    def slope(t: float, state: Array) -> list[float]:
+        stiff, off, fast = np.interp(t, time, stiffness), np.sin(rate * t) - state[0], rate * np.cos(rate * t) - state[1]
+        return [state[1], (stiff * off + 1600.0 * fast) / 2.0]
+
+    wanted = solve_ivp(slope, (0.0, time[-1]), [0.0, 0.0], t_eval=time, rtol=1e-8, atol=1e-10, max_step=step).y[0]
+    # Straight lines between the samples of the stiffness, and waves (omega step)^2/12 too long.
+    assert respond(errors, rates, swing, step, acceleration=False)[:, 0] == pytest.approx(wanted, abs=2e-3)
 
 
 def test_zones_cover_the_cycle_once() -> None:
@@ -225,8 +247,8 @@ def accelerated(axis: Array, speed: float) -> Array:
     """Return the pinion's acceleration at a speed [rad/s], rung down from ninety pitches before the record on."""
     step = axis[1] - axis[0]
     angle = axis[0] + step * np.arange(-8000, len(axis))
-    slow = SPRINGS.shared(angle, 100.0, neutral(PAIR))[0]
-    return respond(slow[:, None], step / speed, SPRINGS.oscillator(100.0, neutral(PAIR)), acceleration=True)[8000:, 0]
+    slow = SPRINGS.shared(angle, 100.0, neutral(PAIR))[0][:, None]
+    return respond(slow, np.zeros_like(slow), SPRINGS.swing(angle, 100.0, speed, neutral(PAIR)), step / speed, acceleration=True)[8000:, 0]
 
 
 def shaken(speed: float, stated: float) -> Measurement:
