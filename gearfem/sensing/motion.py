@@ -47,6 +47,17 @@ def slowly(system: System, angle: Array, stated_torque: float) -> StaticTurns:
     return static(Turns(mesh=system.mesh), turned, torque, system.drive.friction_coefficient)
 
 
+def slope(system: System, angle: Array, stated_torque: float) -> Array:
+    """Return the slope of the normal force over the deflection on the line of action at the angles of a record [N/m], shape (n,).
+
+    Arguments as for `slowly`. Friction changes the normal force that a torque needs, by steps where sliding reverses, but not how the teeth
+    yield to it.
+    """
+    held = slowly(system, angle, stated_torque)
+    pressed = held.force.sum(axis=1) * system.setup.pair.pinion.base_radius
+    return static(Turns(mesh=system.mesh), held.pinion_angle, pressed).mesh_stiffness
+
+
 def at_speed(system: System, channel: Channel, angle: Array, stated_torque: float, speed: float) -> Array:
     """Return the reading of a motion at speed at the angles of a record.
 

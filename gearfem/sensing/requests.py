@@ -18,7 +18,7 @@ from gearfem.definition.setup import Member
 from gearfem.dynamics.turns import KW_ANGLES
 from gearfem.foundation import Array, Record
 from gearfem.placement import runout_gap
-from gearfem.sensing.motion import at_speed, slowly
+from gearfem.sensing.motion import at_speed, slope, slowly
 from gearfem.sensing.system import System
 
 
@@ -114,7 +114,7 @@ class MeshStiffness(Request):
 
     def of(self, system: System) -> Array:
         """Return the mesh stiffness over the whole face width [N/m]."""
-        return system.instrument.read_slow(slowly(system, self.axis, self.pinion_torque).mesh_stiffness)
+        return system.instrument.read_slow(slope(system, self.axis, self.pinion_torque))
 
 
 class FlankProfile(Request):

@@ -180,6 +180,16 @@ def test_softer_bodies_contacts_and_roots_let_the_wheel_lag_in_proportion():
         assert cracked[[0, 10, 15]] == pytest.approx(np.zeros(3), rel=0.0, abs=1e-6)
 
 
+def test_friction_does_not_step_in_the_slope_of_the_normal_force():
+    """The normal force steps by 2 f tan(alpha) at the pitch point; a slope that depends on the load like P^0.1 at most follows by a tenth."""
+    coefficient, beside = 0.2, 1e-3 * PITCH
+    request = requests()["mesh_stiffness"](axis=np.array([-beside, beside]), pinion_torque=120.0)
+    rubbing = observe(assemble(rig(), [effect("friction", coefficient=coefficient)]), request)
+    step = 2.0 * coefficient * math.tan(math.radians(20.0))
+    assert abs(rubbing[0] / rubbing[1] - 1.0) < 0.1 * step
+    assert rubbing == pytest.approx(observe(plain(), request), rel=0.05 * step, abs=0.0)
+
+
 def test_friction_loads_the_teeth_more_in_approach():
     """In approach friction helps the pinion turn the wheel: P (l1 - f h1) = T, in recess P (l1 + f h1) = T."""
     coefficient, beside = 0.1, 0.02 * PITCH
