@@ -27,14 +27,14 @@ PARAMETER = 8.0
 # What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
 DETECTED = 40.0
 # Healthy pairs have gained up to a fiftieth of the rows by effects that imitate errors of our model: more is asked of a name.
-IMITATED = 0.03
+IMITATED = 0.01
 # A further name must gain this share of what the first ones did: less is the difference between their shapes and the real ones.
 FURTHER = 0.05
 # Explanations closer than this cannot be told apart; shapes of real effects differ from ours, by this share of what they explain.
-THRESHOLD, SHAPE = 10.0, 0.03
-FITTED, PAIRED, MOST = 6, 3, 3
+THRESHOLD, SHAPE = 15.0, 0.03
+FITTED, PAIRED, MOST = 8, 3, 3
 # Explanations that are fitted again, with derivatives taken where they stand, before the search goes on; further ones after that.
-SETTLED, FURTHER_SETTLED = 3, 2
+SETTLED, FURTHER_SETTLED = 4, 2
 # Rivals that are fitted again beside the best explanation: those within this share of what it gains.
 NEAR, RIVALS = 0.3, 3
 # What a parameter costs that ends at a bound: the shape wants to be another one.
