@@ -66,7 +66,9 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
     fitted, drive = setup.calibration, make_drive(setup)
     flanks = _flanks(bare, of("flank"))
     compliance = _compliance(flanks, bare, of("compliance"))
-    placement = _act(_late(make_placement(setup), fitted), of("placement"), bare)
+    placement = _late(make_placement(setup), fitted)
+    placement = dataclasses.replace(placement, support=placement.support + fitted.series_compliance)
+    placement = _act(placement, of("placement"), bare)
     # A stiffness scale is one of Young's moduli: every compliance, the contact's too, depends on force over modulus alone.
     materials = (gear.material for gear in (setup.pair.pinion, setup.pair.wheel))
     pinion, wheel = (dataclasses.replace(steel, youngs_modulus=fitted.stiffness_scale * steel.youngs_modulus) for steel in materials)

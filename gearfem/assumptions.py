@@ -29,7 +29,7 @@ SLICED = (
     "which adds to the approach under a uniform load; axes do not tilt under load."
 )
 BODIES = "Each gear is a disc with a solid web, held rigidly on its bore;"
-FITTED = "Fitted values of [calibration] act on stiffness, torque, inertia, damping, readings and tooth spacing."
+FITTED = "Fitted values of [calibration] act on stiffness, torque, inertia, damping, readings, tooth spacing and compliance."
 EVEN = "All teeth are equal and perfectly spaced."
 
 
@@ -59,7 +59,7 @@ def of_system(system: System) -> tuple[str, ...]:
 
 def _supports(system: System) -> str:
     """Return how shafts and bearings yield."""
-    everywhere, moving = system.placement.support > 0.0, not system.drive.two_inertias
+    everywhere, moving = system.placement.support > system.setup.calibration.series_compliance, not system.drive.two_inertias
     if everywhere:
         also = "; those of [drive] yield in the elastic dynamics besides" if moving else ""
         return f"the supports of the effect yield without mass wherever there is load{also}."

@@ -23,6 +23,8 @@ class Calibration(Record):
         True inertias on the two gears, and true damping ratio, over those of model and effects.
     gain : float
         Readings of angle series, accelerations and stiffness over true values.
+    series_compliance : float
+        Compliance along the line of action that the model misses, in series with all pairs [m/N]; negative where it has too much.
     angle_offset : float
         Pinion angle of the model at which measured angles are 0 [rad].
     pinion_late, wheel_late : ndarray, shapes (z1,), (z2,) or (0,)
@@ -36,6 +38,7 @@ class Calibration(Record):
     inertia_scale: float = 1.0
     damping_scale: float = 1.0
     gain: float = 1.0
+    series_compliance: float = 0.0
     angle_offset: float = 0.0
     pinion_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
     wheel_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))

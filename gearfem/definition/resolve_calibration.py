@@ -45,6 +45,7 @@ def resolve_calibration(table: CalibrationTable, teeth: tuple[int, int]) -> Cali
         inertia_scale=table.inertia_scale,
         damping_scale=table.damping_scale,
         gain=table.gain,
+        series_compliance=table.series_compliance_um_per_N * UM,
         angle_offset=table.angle_offset_rad,
         pinion_late=late[0],
         wheel_late=late[1],

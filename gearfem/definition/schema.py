@@ -141,6 +141,7 @@ class CalibrationTable(Table):
     inertia_scale: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
     damping_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
     gain: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
+    series_compliance_um_per_N: Annotated[float, Field(ge=-1.0, le=1.0)] = 0.0
     angle_offset_rad: Annotated[float, Field(ge=-10.0, le=10.0)] = 0.0
     pinion_index_error_um: list[Late] = []
     wheel_index_error_um: list[Late] = []

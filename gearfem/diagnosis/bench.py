@@ -27,6 +27,8 @@ class Settings(Record):
         True value over the model's, or the record's: torque, stiffness of everything that yields, inertias, damping ratio.
     gain : float
         Reading over true value of angle series, accelerations and stiffness.
+    series_compliance : float
+        Compliance along the line of action that the model misses, in series with all pairs [m/N]; negative where it has too much.
     """
 
     pinion_late: Array
@@ -37,6 +39,7 @@ class Settings(Record):
     inertia_scale: float = 1.0
     damping_scale: float = 1.0
     gain: float = 1.0
+    series_compliance: float = 0.0
 
 
 def neutral(pair: GearPair) -> Settings:

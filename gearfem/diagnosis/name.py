@@ -42,9 +42,9 @@ AT_BOUND = 30.0
 # Share of the gap that names must close: less is no explanation, and more brings it to the noise.
 STANDS, CLOSED = 0.60, 0.90
 # What fits may leave, over what can be expected of them, before it counts as a gap.
-GAP = 1.25
-# What may remain beside a name that stands.
-REST = 3.0
+GAP_SLOW, GAP_MOVING = 1.25, 2.0
+# What may remain beside a name that stands, in gaps.
+REST = 2.4
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -325,12 +325,12 @@ def _verdict(search: _Search, shown: tuple[Identifiability, ...]) -> Naming:
     level, remains = (_level(fit, search.problem) for fit in (alone, best))
     close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
     if not best.effects or gained < search.detected:
-        verdict: Verdict = "no_discrepancy" if level < GAP else "unexplained"
-    elif remains > GAP and (closed < STANDS or remains > REST):
+        verdict: Verdict = "no_discrepancy" if level < 1.0 else "unexplained"
+    elif remains > 1.0 and (closed < STANDS or remains > REST):
         verdict = "unexplained"
     elif close:
         verdict = "ambiguous"
-    elif closed >= CLOSED or remains < GAP:
+    elif closed >= CLOSED or remains < 1.0:
         verdict = "explained"
     else:
         verdict = "partly_explained"
@@ -366,9 +366,15 @@ def closure(alone: Fit, best: Fit, problem: Problem) -> float:
 
 
 def _level(fit: Fit, problem: Problem) -> float:
-    """Return what a fit leaves: the geometric mean over all rows of the mean squares over what can be expected, 1 at least."""
+    """Return what a fit leaves: the geometric mean over the rows of the mean squares over what can be expected, 1 at least.
+
+    Slow records and motions by themselves, in parts of what counts as a gap of each; the larger one, so that many records without a gap
+    do not hide the others.
+    """
     above = np.log(np.maximum(fit.squares / problem.floor, 1.0))
-    return math.exp(float(problem.counts @ above / problem.counts.sum()))
+    moving = np.array([record.quantity.moving for record in problem.records])
+    kinds = ((~moving, GAP_SLOW), (moving, GAP_MOVING))
+    return max(math.exp(float(problem.counts[kind] @ above[kind] / problem.counts[kind].sum())) / gap for kind, gap in kinds if kind.any())
 
 
 def _p_value(search: _Search, best: Fit, number: int) -> float:

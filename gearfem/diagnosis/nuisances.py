@@ -24,7 +24,7 @@ class Nuisance(Record):
     words : str
         For reports.
     prior : float
-        Standard deviation: of the angle [rad], else of the logarithm of a scale, which cannot turn negative.
+        Standard deviation: of the logarithm of a scale, which cannot turn negative; else of the value [SI].
     step : float
         Step of the finite difference, in prior deviations.
     reach : float
@@ -40,7 +40,12 @@ class Nuisance(Record):
     @property
     def is_scale(self) -> bool:
         """Whether it multiplies."""
-        return self.name != "angle_offset"
+        return self.name not in ("angle_offset", "series_compliance")
+
+    @property
+    def unit(self) -> str:
+        """Unit in which files give it; empty for a scale."""
+        return {"angle_offset": "rad", "series_compliance": "um_per_N"}.get(self.name, "")
 
     def value(self, moved: float) -> float:
         """Return the value of the setting so many prior deviations from the model's."""
@@ -61,6 +66,9 @@ MOVING = (
     Nuisance(name="inertia_scale", words="inertias", prior=0.02, step=0.5),
     Nuisance(name="damping_scale", words="damping ratio", prior=0.30, reach=3.0),
 )
+# Mean stiffnesses of the models in use differ by some 10 %, however well they agree on its course over the pitch: of that of a usual mesh,
+# 20 N/(mm um) by ISO 6336-1 [N/m2].
+SERIES, USUAL_STIFFNESS = 0.08, 20e9
 # The unknown zero lies within half a pitch either way; its deviation is that of an equal distribution.
 UNIFORM = 1.0 / math.sqrt(12.0)
 
@@ -77,6 +85,10 @@ def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[
         found += SCALES
     if any(record.quantity.moving for record in loaded):
         found += MOVING
+    if any(not record.quantity.free_constant or record.quantity.moving for record in loaded):
+        prior = SERIES / (USUAL_STIFFNESS * campaign.setup.pair.face_width)
+        words = "compliance in series with the teeth that the model misses"
+        found.append(Nuisance(name="series_compliance", words=words, prior=prior, step=0.25))
     assert quantities
     return tuple(found)
 
@@ -112,7 +124,8 @@ def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tup
     moving = record.quantity.moving
     for place, nuisance in enumerate(nuisances):
         # Kw is the largest value of a whole turn, wherever that begins.
-        if (nuisance in MOVING and not moving) or (nuisance.name == "angle_offset" and record.quantity.axis != "angle"):
+        still = nuisance in MOVING or (nuisance.name == "series_compliance" and record.quantity.free_constant)
+        if (still and not moving) or (nuisance.name == "angle_offset" and record.quantity.axis != "angle"):
             continue
         if nuisance.name == "gain" and record.quantity.axis == "angle":
             out[:, place] = nuisance.prior * here

@@ -23,7 +23,7 @@ from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Further strengths at which an effect of all teeth is tried, as multiples of the typical one.
-DEEP, WIDE = (4.0, 16.0), (0.4, 2.5)
+DEEP, WIDE = (4.0, 16.0), (0.4, 2.5, 6.0)
 # Rounds in which the strength of a candidate is improved, unless it promises less than this anyway.
 REFINED, WORTH = 2, 5.0
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
@@ -208,7 +208,11 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
 
 def _best(problem: Problem, base: Fit, freed: Freed, start: Effect) -> Candidate | None:
     """Return the effect at the shape, and then the strength, that explain most."""
-    candidates = [_candidate(problem, base, freed, effect, unknown) for effect, unknown in _likeliest(problem, base, start)]
+    likely = _likeliest(problem, base, start)
+    if not likely and _lost(problem, base):
+        return _fitted(problem, base, start)
+    likely = likely or [(effect, None) for effect in _shapes(start, problem.campaign.setup)]
+    candidates = [_candidate(problem, base, freed, effect, unknown) for effect, unknown in likely]
     good = [candidate for candidate in candidates if candidate is not None]
     if not good:
         return None
@@ -226,14 +230,13 @@ def _best(problem: Problem, base: Fit, freed: Freed, start: Effect) -> Candidate
 
 
 def _fitted(problem: Problem, base: Fit, start: Effect) -> Candidate | None:
-    """Return an effect that cannot be scaled as fits from several places find it."""
-    moving = np.array([record.quantity.moving for record in problem.records])
-    if not moving.any() and start.stage in ("sensing", "drive"):
+    """Return an effect as fits from several places find it: one that cannot be scaled, or that changes motions which are far off anyway."""
+    if not any(record.quantity.moving for record in problem.records):
         return None
-    lost = bool(moving.any() and (base.squares / problem.floor)[moving].max() > LOST)
+    lost = _lost(problem, base)
     starts = [
         ((*base.effects, effect), unknown)
-        for effect in _shapes(start, problem.campaign.setup)[:: 1 if lost else 3]
+        for effect in _shapes(start, problem.campaign.setup)[:: 1 if lost else 2]
         for unknown in _elsewhere(problem, base, effect) or [base.point.unknown]
     ]
     found = _fits(problem, starts, 2, lost)
@@ -248,6 +251,12 @@ def _fitted(problem: Problem, base: Fit, start: Effect) -> Candidate | None:
     return dataclasses.replace(scored, gain=max(base.objective - best.objective, 0.0), amplitude=1.0)
 
 
+def _lost(problem: Problem, base: Fit) -> bool:
+    """Return whether a fit leaves so much of motions that what is linear about it says little."""
+    moving = np.array([record.quantity.moving for record in problem.records])
+    return bool(moving.any() and (base.squares / problem.floor)[moving].max() > LOST)
+
+
 def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, fresh: bool) -> list[Fit]:
     found = []
     for effects, unknown in starts:
@@ -259,13 +268,12 @@ def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], roun
 def _likeliest(problem: Problem, base: Fit, start: Effect) -> list[tuple[Effect, Array | None]]:
     """Return the shapes of an effect, and the nuisances, that explain most of the slow records, which cost a hundredth of motions.
 
-    All shapes where slow records are blind to it or missing.
+    None where slow records are blind to it or missing.
     """
     shapes = _shapes(start, problem.campaign.setup)
-    every = [(effect, unknown) for effect in shapes for unknown in (None, *_elsewhere(problem, base, effect)[:1])]
     places = np.flatnonzero([not record.quantity.moving for record in problem.records])
     if not len(places):
-        return every
+        return []
     slow = _part(problem, places)
     level = dataclasses.replace(base, point=slow.at(base.effects, base.point.unknown), squares=base.squares[places])
     freed = slow.freed(level.point)
@@ -276,7 +284,7 @@ def _likeliest(problem: Problem, base: Fit, start: Effect) -> list[tuple[Effect,
         if (candidate := _candidate(slow, level, freed, effect, unknown)) is not None
     ]
     found.sort(key=lambda candidate: -candidate.gain)
-    return [(candidate.effect, candidate.unknown) for candidate in found[:LIKELIEST]] or every
+    return [(candidate.effect, candidate.unknown) for candidate in found[:LIKELIEST]]
 
 
 def _part(problem: Problem, places: NDArray[Any]) -> Problem:

@@ -148,7 +148,7 @@ class SystemBench(Record):
                 placement,
                 pinion_late=placement.pinion_late + settings.pinion_late,
                 wheel_late=placement.wheel_late + settings.wheel_late,
-                support=placement.support * settings.stiffness_scale,
+                support=(placement.support + settings.series_compliance) * settings.stiffness_scale,
             ),
             drive=dataclasses.replace(
                 drive,

@@ -91,6 +91,7 @@ def calibration_table(known: Calibration, settings: Settings, proof: Proof) -> d
         "inertia_scale": both.inertia_scale,
         "damping_scale": both.damping_scale,
         "gain": both.gain,
+        "series_compliance_um_per_N": both.series_compliance / UM,
         "angle_offset_rad": both.angle_offset,
         "pinion_index_error_um": (both.pinion_late / UM).tolist(),
         "wheel_index_error_um": (both.wheel_late / UM).tolist(),

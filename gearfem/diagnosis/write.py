@@ -128,8 +128,9 @@ def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     problem, fit = diagnosis.problem, diagnosis.naming.fit
     rows: list[dict[str, Any]] = []
     for nuisance, moved in zip(problem.nuisances, fit.point.unknown, strict=False):
-        unit = {} if nuisance.is_scale else {"unit": "rad"}
-        rows.append(_row(nuisance.name, nuisance.words, float(moved)) | {"value": float(getattr(fit.settings, nuisance.name))} | unit)
+        value = float(getattr(fit.settings, nuisance.name)) / (UM if nuisance.unit.startswith("um") else 1.0)
+        unit = {"unit": nuisance.unit} if nuisance.unit else {}
+        rows.append(_row(nuisance.name, nuisance.words, float(moved)) | {"value": value} | unit)
     for variant, moved in zip(VARIANTS, fit.point.unknown[problem.unknowns.first_form :], strict=False):
         rows.append(_row("model_form", f"error of the model: {variant.words}", float(moved)))
     for member, late in (("pinion", fit.settings.pinion_late), ("wheel", fit.settings.wheel_late)):

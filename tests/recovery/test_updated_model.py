@@ -47,6 +47,7 @@ def settings() -> Settings:
         inertia_scale=1.04,
         damping_scale=0.7,
         gain=0.97,
+        series_compliance=-8e-11,
     )
 
 

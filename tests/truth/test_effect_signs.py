@@ -181,7 +181,7 @@ def test_softer_bodies_contacts_and_roots_let_the_wheel_lag_in_proportion():
 
 
 def test_friction_does_not_step_in_the_slope_of_the_normal_force():
-    """The normal force steps by 2 f tan(alpha) at the pitch point; a slope that depends on the load like P^0.1 at most follows by a tenth."""
+    """The normal force steps by 2 f tan(alpha) at the pitch point; its slope goes with P^0.1 at most and follows by a tenth."""
     coefficient, beside = 0.2, 1e-3 * PITCH
     request = requests()["mesh_stiffness"](axis=np.array([-beside, beside]), pinion_torque=120.0)
     rubbing = observe(assemble(rig(), [effect("friction", coefficient=coefficient)]), request)
