@@ -346,7 +346,10 @@ def _verdict(search: _Search, shown: tuple[Identifiability, ...]) -> Naming:
         identifiable=shown,
         threshold=threshold,
         sentence=_sentence(verdict, named, closed),
-        reasons=(),
+        reasons=(
+            f"The best explanation gains {gained:.0f} in the score; a name needs {search.detected:.0f}.",
+            f"Nuisances alone leave {level:.2f}, the best explanation leaves {remains:.2f} times what counts as a gap.",
+        ),
     )
 
 

@@ -7,8 +7,12 @@ from collections.abc import Callable
 
 from gearfem.compliance.body import scale_body
 from gearfem.contact.scaled import ScaledLaw
+from gearfem.effects.lead_misalignment import LeadMisalignment
 from gearfem.flank import Outline
+from gearfem.foundation.units import UM
 from gearfem.sensing import System
+
+MISALIGNED = 1.0 * UM
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -64,11 +68,18 @@ def _sharp_edges(system: System) -> System:
     return dataclasses.replace(system, flanks=flanks)
 
 
-# Sizes: what independent ways of computing each part differ by (Hertz depth rules, body formulae), and friction that nobody measured.
+def _misaligned(system: System) -> System:
+    effect = LeadMisalignment(slope=MISALIGNED)
+    return dataclasses.replace(system, flanks=effect.act(system.flanks, system.setup))
+
+
+# Sizes: what independent ways of computing each part differ by (Hertz depth rules, body formulae), and friction and
+# alignment that nobody measured.
 VARIANTS = (
     Variant(words="contact law, 20 %", change=_contact(1.20)),
     Variant(words="gear bodies, 20 %", change=_body(1.20)),
     Variant(words="depth of the contact", change=_half_space),
     Variant(words="tooth friction, 0.02", change=_friction(0.02)),
     Variant(words="tip edges, from 0.02 to 0.005 modules", change=_sharp_edges),
+    Variant(words="misalignment, 1 um over the face width", change=_misaligned),
 )
