@@ -11,7 +11,7 @@ from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.localise import Localisation, localise
-from gearfem.diagnosis.name import Naming, Rival, name
+from gearfem.diagnosis.name import Naming, Rival, name, sentence_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.prove import Proof, prove
 from gearfem.diagnosis.suggest import Suggestion, suggest
@@ -19,6 +19,8 @@ from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, Record
 from gearfem.foundation.progress import Progress, quiet
 
+# What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed.
+OPEN, CLOSES = 2.0, 0.5
 # Most rounds in which derivatives are taken again; draws of noise behind each map.
 SETTLED, DRAWS = 3, 100
 
@@ -111,9 +113,21 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     naming = name(problem, alone, kinds, progress)
     after = localise(comparison, naming.fit, DRAWS, progress=progress) if naming.fit.effects else before
     proof = prove(problem, naming.fit, naming.alone, progress)
+    naming = _held(naming, proof)
     draft = Diagnosis(comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=())
     rivals = [rival.effects for rival in draft.alternatives]
     return dataclasses.replace(draft, suggestions=suggest(problem, naming.fit, rivals, progress)) if rivals else draft
+
+
+def _held(naming: Naming, proof: Proof) -> Naming:
+    """Return the verdict as the records held out leave it: a gap that stays open there is not explained."""
+    open_gaps = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms and gap.closure < CLOSES]
+    if naming.verdict != "explained" or not open_gaps:
+        return naming
+    files = ", ".join(gap.measurement.file for gap in open_gaps)
+    reason = f"A gap stays open on records held out ({files}): something else acts there."
+    sentence = sentence_of("partly_explained", naming.fit, naming.closed)
+    return dataclasses.replace(naming, verdict="partly_explained", sentence=sentence, reasons=(*naming.reasons, reason))
 
 
 def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude: Iterable[str] = ()) -> Mapping[str, type[Effect]]:

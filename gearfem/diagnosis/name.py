@@ -173,7 +173,10 @@ class _Search:
         best = self.best()
         gained = self.alone.objective - best.objective
         parts = {label(effects) for effects, _ in _without_one(best)} if len(best.effects) > 1 else set()
-        near = [fit for fit in self.first(len(self.fits)) if fit is not best and fit.objective - best.objective < NEAR * gained][:RIVALS]
+        # What holds the best explanation and more has lost by its cost already: it is no other explanation.
+        own = set(label(best.effects))
+        others = [fit for fit in self.first(len(self.fits)) if not own <= set(label(fit.effects))]
+        near = [fit for fit in others if fit.objective - best.objective < NEAR * gained][:RIVALS]
         return near + [fit for key, fit in self.fits.items() if key in parts and all(fit is not other for other in near)]
 
     def cost(self, effects: tuple[Effect, ...]) -> float:
@@ -345,7 +348,7 @@ def _verdict(search: _Search, shown: tuple[Identifiability, ...]) -> Naming:
         rivals=rivals,
         identifiable=shown,
         threshold=threshold,
-        sentence=_sentence(verdict, named, closed),
+        sentence=sentence_of(verdict, named, closed),
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {search.detected:.0f}.",
             f"Nuisances alone leave {level:.2f}, the best explanation leaves {remains:.2f} times what counts as a gap.",
@@ -399,7 +402,8 @@ def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
     return f"leaves more of the gap: score worse by {difference:.1f}"
 
 
-def _sentence(verdict: Verdict, fit: Fit, closed: float) -> str:
+def sentence_of(verdict: Verdict, fit: Fit, closed: float) -> str:
+    """Return a verdict in words: the effects of a fit, and the share of the gap that it closes."""
     words = "; ".join(effect.describe() for effect in fit.effects)
     return {
         "no_discrepancy": "Model and measurement agree within noise, the scatter of single teeth and the errors of our own model.",
