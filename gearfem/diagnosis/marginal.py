@@ -165,8 +165,8 @@ def memory_of(white: Array) -> float:
 
     Notes
     -----
-    1 + 2 sum rho_k^2, Bartlett's number of rows for one independent square, over lags up to a quarter of the record; rho is that of what
-    is left above the noise, and what chance adds to it is taken off.
+    1 + 2 sum rho_k^2, Bartlett's number of rows for one independent square, over lags up to a quarter of the record, less what chance adds;
+    rho is that of what is left above the noise.
     """
     count = len(white)
     spectrum = np.abs(np.fft.rfft(white - white.mean(), 2 * count)) ** 2
@@ -174,6 +174,7 @@ def memory_of(white: Array) -> float:
     level = float(np.mean(white**2))
     if covariance[0] <= 0.0 or level <= 1.0:
         return 1.0
-    rho = covariance[1:] / covariance[0]
-    square = np.maximum(rho**2 - 1.0 / count, 0.0) / (1.0 - 1.0 / max(level, 2.0)) ** 2
-    return 1.0 + 2.0 * float(np.minimum(square, 1.0).sum())
+    square = (covariance[1:] / covariance[0]) ** 2
+    # Chance adds to each square the memory itself over the number of rows.
+    memory = (1.0 + 2.0 * float(square.sum())) / (1.0 + 2.0 * len(square) / count)
+    return 1.0 + max(memory - 1.0, 0.0) / (1.0 - 1.0 / max(level, 2.0)) ** 2

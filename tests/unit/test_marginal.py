@@ -1,0 +1,53 @@
+"""What records cost that no model meets, and over how many rows errors of a model stay alike."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from gearfem.diagnosis.marginal import memory_of, profile
+
+FLOOR, MEMORY = np.array([1.5]), np.array([20.0])
+ROWS = np.array([1000.0])
+
+
+def cost(mean: float, floor: float = 1.5, memory: float = 20.0) -> float:
+    """Return the cost of a record of a thousand rows with a mean square."""
+    return float(profile(mean * ROWS, ROWS, np.array([floor]), np.array([memory]))[0][0])
+
+
+@pytest.mark.parametrize("mean", [0.3, 1.4, 1.6, 4.0, 300.0])
+def test_weights_are_the_slope_of_the_cost(mean: float) -> None:
+    weight = profile(mean * ROWS, ROWS, FLOOR, MEMORY)[1][0]
+    step = 1e-4 * mean
+    assert (cost(mean + step) - cost(mean - step)) / (2.0 * step * ROWS[0]) == pytest.approx(weight, rel=1e-6, abs=0.0)
+
+
+def test_the_cost_is_continuous_at_the_floor() -> None:
+    assert cost(1.5 - 1e-12) == pytest.approx(cost(1.5 + 1e-12), rel=1e-10, abs=0.0)
+
+
+def test_rows_of_noise_count_fully_and_errors_of_the_model_once_in_their_memory() -> None:
+    noise = profile(ROWS, ROWS, np.ones(1), MEMORY)[1][0]
+    far = profile(1e4 * ROWS, ROWS, np.ones(1), MEMORY)[1][0]
+    assert noise == 1.0
+    assert far == pytest.approx(1.0 / (20.0 * 1e4), rel=0.01, abs=0.0)
+
+
+def test_without_memory_the_cost_is_the_likelihood_of_an_unknown_variance() -> None:
+    # -2 ln L = m + m ln q beyond the floor, and square/floor + m ln floor below it.
+    assert cost(8.0, 2.0, 1.0) - cost(4.0, 2.0, 1.0) == pytest.approx(1000.0 * np.log(2.0), rel=1e-12, abs=0.0)
+    assert cost(1.0, 2.0, 1.0) - cost(0.5, 2.0, 1.0) == pytest.approx(1000.0 * 0.25, rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.6, 0.9])
+def test_memory_is_bartletts_number_of_rows(rho: float) -> None:
+    drawn = np.random.default_rng(5).standard_normal(40000)
+    left = 30.0 * np.sqrt(1.0 - rho**2) * lfilter([1.0], [1.0, -rho], drawn)
+    # The estimate scatters by a tenth over so many rows.
+    assert memory_of(left) == pytest.approx((1.0 + rho**2) / (1.0 - rho**2), rel=0.15, abs=0.0)
+
+
+def test_noise_alone_has_no_memory() -> None:
+    assert memory_of(0.99 * np.random.default_rng(5).standard_normal(4000)) == 1.0
