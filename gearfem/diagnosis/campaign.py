@@ -112,7 +112,7 @@ def read_campaign(path: str | Path) -> Campaign:
     Parameters
     ----------
     path : str or Path
-        Campaign file; model and records are found relative to it.
+        Campaign file, or the folder that holds it as campaign.toml; model and records are found relative to it.
 
     Returns
     -------
@@ -125,6 +125,7 @@ def read_campaign(path: str | Path) -> Campaign:
         repaired and listed in `remarks`; every other fault of the data is refused.
     """
     path = Path(path)
+    path = path / "campaign.toml" if path.is_dir() else path
     try:
         table = validate_campaign(read_tables(path))
     except InputError as error:

@@ -90,6 +90,11 @@ def test_values_come_out_in_si(campaign: Callable[..., Campaign]) -> None:
     assert (third.gear, third.tooth, first.line[0], read.angle_known) == ("wheel", 40, 3, False)
 
 
+def test_the_folder_stands_for_the_campaign_in_it(campaign: Callable[..., Campaign], folder: Path) -> None:
+    read = campaign(static("a", 40.0), a=te(1, 40.0))
+    assert read_campaign(folder).path == read.path
+
+
 def test_program_holds_out_inside_the_range_and_says_so(campaign: Callable[..., Campaign]) -> None:
     torques = {"a": 20.0, "b": 120.0, "c": 60.0}
     read = campaign(
