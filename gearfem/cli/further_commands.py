@@ -171,7 +171,9 @@ def templates(model: str, out: str, overrides: tuple[str, ...], plan: str, only:
 def diagnose(campaign: str, out: str, only: tuple[str, ...], exclude: tuple[str, ...], effect_files: tuple[str, ...]) -> None:
     """Find where the measurements of CAMPAIGN and its model disagree, name the missing effect, and show the gap shrink.
 
-    CAMPAIGN is a file, or the folder that holds it as campaign.toml. Writes report.html with its pictures, diagnosis.json, and updated.toml: the model with the named effects and the fitted nuisances,
+    CAMPAIGN is a file, or the folder that holds it as campaign.toml.
+
+    Writes report.html with its pictures, diagnosis.json, and updated.toml: the model with the named effects and the fitted nuisances,
     which every other command runs. Records of role holdout are opened at the end, when everything else is fixed.
 
     Verdicts: explained, partly_explained, no_discrepancy, unexplained (a gap that no known effect closes), ambiguous (several

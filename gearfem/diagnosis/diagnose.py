@@ -11,10 +11,11 @@ from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.localise import Localisation, localise
-from gearfem.diagnosis.name import Naming, Rival, name, sentence_of
+from gearfem.diagnosis.name import name
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.prove import Proof, prove
 from gearfem.diagnosis.suggest import Suggestion, suggest
+from gearfem.diagnosis.verdict import Naming, Rival, sentence_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, Record
 from gearfem.foundation.progress import Progress, quiet

@@ -10,11 +10,9 @@ import numpy as np
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import Candidate
+from gearfem.diagnosis.search import DETECTED
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Record
-
-# Gain in the objective from which an effect counts as seen; parameters and the choice among effects and teeth have to be paid of it.
-SEEN = 40.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,7 +75,7 @@ def identify(problem: Problem, base: Fit, candidates: Sequence[Candidate]) -> tu
             Identifiability(
                 effect=candidate.effect,
                 share=candidate.share,
-                limit=float(np.sqrt(SEEN) / length[place]),
+                limit=float(np.sqrt(DETECTED) / length[place]),
                 rival=kept[nearest].effect if len(kept) > 1 else None,
                 overlap=float(min(alike[place, nearest], 1.0)),
             )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
@@ -86,6 +88,17 @@ class Problem:
         """Number of the nuisances that are not linear: scales and the angle zero."""
         return self.unknowns.outer
 
+    def part(self, places: NDArray[Any]) -> Problem:
+        """Return the same problem, as it is prepared, with the records at some places alone."""
+        part = copy.copy(self)
+        part.records, part.noises = tuple(self.records[i] for i in places), tuple(self.noises[i] for i in places)
+        part.columns = tuple(self.columns[i] for i in places)
+        part.scales = np.concatenate([self.scales[self.linear.rows[i]] for i in places])
+        part.linear, part.whole = self.linear.part(places), self.whole.part(places)
+        part.weights, part.memory = self.weights[places], self.memory[places]
+        part.floor, part.counts = self.floor[places], self.counts[places]
+        return part
+
     def settings(self, unknown: Array) -> Settings:
         """Return the settings of unknowns, shape (k,)."""
         return self.unknowns.settings(unknown)
@@ -144,11 +157,6 @@ class Problem:
             weights=deserved,
             objective=cost + float(outer @ outer),
         )
-
-    def value(self, predicted: tuple[Array, ...], point: Point) -> float:
-        """Return the objective of another prediction with the scales and index errors of a point."""
-        outer = point.unknown[: self.outer]
-        return self._solve(self._residual(predicted, point.index), point.weights)[1] + float(outer @ outer)
 
     def left(self, point: Point) -> tuple[Array, ...]:
         """Return what a point leaves of each record [SI]: measured less predicted, offsets, teeth and model form."""

@@ -3,35 +3,28 @@
 from __future__ import annotations
 
 import contextlib
-import copy
 import dataclasses
-import itertools
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearfem.definition.setup import Member, Setup
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Freed, Problem
+from gearfem.diagnosis.shapes import bounded, shapes_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.zero import guess_zero
-from gearfem.effects.effect import MEMBERS, Effect, Parameter
+from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
-# Further strengths at which an effect of all teeth is tried, as multiples of the typical one.
-DEEP, WIDE = (4.0, 16.0), (0.4, 2.5, 6.0)
 # Rounds in which the strength of a candidate is improved, unless it promises less than this anyway.
 REFINED, WORTH = 2, 5.0
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
 PER_PITCH = 48
 # Shapes of an effect that are looked at in motion too.
 LIKELIEST = 2
-# Natural frequencies at which a resonance is tried [Hz].
-FREQUENCIES = 500.0, 8000.0
 # Part of the expected square beyond which nuisances alone may have found a wrong zero of the angle.
 LOST = 5.0
 # Effects of all teeth that are looked at again beside what is found.
@@ -72,7 +65,7 @@ class Candidate(Record):
 
     def start(self, setup: Setup) -> Effect:
         """Return the effect at the strength that would lower the objective most, within its bounds."""
-        return _bounded(self.effect.scaled(min(max(self.amplitude, -3.0), 3.0), setup), setup)
+        return bounded(self.effect.scaled(min(max(self.amplitude, -3.0), 3.0), setup), setup)
 
     @property
     def label(self) -> tuple[str, str, int]:
@@ -101,7 +94,7 @@ def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progres
     """
     jobs = [(kind, member) for kind in kinds.values() for member in (MEMBERS if kind.of_one_gear() else MEMBERS[:1])]
     # The longest first, so that all cores end together.
-    return _ranked(problem, base, sorted(jobs, key=lambda job: not _stands(job[0].example(problem.campaign.setup))), progress, "candidates")
+    return _ranked(problem, base, sorted(jobs, key=lambda job: not stands(job[0].example(problem.campaign.setup))), progress, "candidates")
 
 
 def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], progress: Progress = quiet) -> tuple[Candidate, ...]:
@@ -136,7 +129,7 @@ def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]]
 
     def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
         starts = _starts(problem, base, *job)
-        if _stands(starts[0]):
+        if stands(starts[0]):
             return [fitted for start in starts if (fitted := _fitted(problem, base, start)) is not None]
         return [best for start in starts if (best := _best(problem, base, freed, start)) is not None]
 
@@ -211,7 +204,7 @@ def _best(problem: Problem, base: Fit, freed: Freed, start: Effect) -> Candidate
     likely = _likeliest(problem, base, start)
     if not likely and _lost(problem, base):
         return _fitted(problem, base, start)
-    likely = likely or [(effect, None) for effect in _shapes(start, problem.campaign.setup)]
+    likely = likely or [(effect, None) for effect in shapes_of(start, problem.campaign.setup)]
     candidates = [_candidate(problem, base, freed, effect, unknown) for effect, unknown in likely]
     good = [candidate for candidate in candidates if candidate is not None]
     if not good:
@@ -221,7 +214,7 @@ def _best(problem: Problem, base: Fit, freed: Freed, start: Effect) -> Candidate
     for _ in range(REFINED if best.gain > WORTH else 0):
         # Half way from here to where the response would end if it were linear, since it bends.
         strength = best.amplitude if best.amplitude < 1.0 else 0.5 * (1.0 + best.amplitude)
-        effect = _bounded(best.effect.scaled(min(strength, 3.0), setup), setup)
+        effect = bounded(best.effect.scaled(min(strength, 3.0), setup), setup)
         other = _candidate(problem, base, freed, effect, best.unknown)
         if other is None or other.gain <= best.gain:
             break
@@ -236,7 +229,7 @@ def _fitted(problem: Problem, base: Fit, start: Effect) -> Candidate | None:
     lost = _lost(problem, base)
     starts = [
         ((*base.effects, effect), unknown)
-        for effect in _shapes(start, problem.campaign.setup)[:: 1 if lost else 2]
+        for effect in shapes_of(start, problem.campaign.setup)[:: 1 if lost else 2]
         for unknown in _elsewhere(problem, base, effect) or [base.point.unknown]
     ]
     found = _fits(problem, starts, 2, lost)
@@ -270,11 +263,11 @@ def _likeliest(problem: Problem, base: Fit, start: Effect) -> list[tuple[Effect,
 
     None where slow records are blind to it or missing.
     """
-    shapes = _shapes(start, problem.campaign.setup)
+    shapes = shapes_of(start, problem.campaign.setup)
     places = np.flatnonzero([not record.quantity.moving for record in problem.records])
     if not len(places):
         return []
-    slow = _part(problem, places)
+    slow = problem.part(places)
     level = dataclasses.replace(base, point=slow.at(base.effects, base.point.unknown), squares=base.squares[places])
     freed = slow.freed(level.point)
     found = [
@@ -285,18 +278,6 @@ def _likeliest(problem: Problem, base: Fit, start: Effect) -> list[tuple[Effect,
     ]
     found.sort(key=lambda candidate: -candidate.gain)
     return [(candidate.effect, candidate.unknown) for candidate in found[:LIKELIEST]]
-
-
-def _part(problem: Problem, places: NDArray[Any]) -> Problem:
-    """Return the same problem with some of its records alone."""
-    part = copy.copy(problem)
-    part.records, part.noises = tuple(problem.records[i] for i in places), tuple(problem.noises[i] for i in places)
-    part.columns = tuple(problem.columns[i] for i in places)
-    part.scales = np.concatenate([problem.scales[problem.linear.rows[i]] for i in places])
-    part.linear, part.whole = problem.linear.part(places), problem.whole.part(places)
-    part.weights, part.memory = problem.weights[places], problem.memory[places]
-    part.floor, part.counts = problem.floor[places], problem.counts[places]
-    return part
 
 
 def _elsewhere(problem: Problem, base: Fit, effect: Effect) -> list[Array]:
@@ -328,52 +309,6 @@ def _elsewhere(problem: Problem, base: Fit, effect: Effect) -> list[Array]:
         unknown[place] = shift / problem.nuisances[place].prior
         found.append(unknown)
     return found
-
-
-def _bounded(effect: Effect, setup: Setup) -> Effect:
-    """Return an effect whose strengths are moved into their bounds."""
-    changes = {}
-    for field in effect.strengths():
-        low, high = effect.parameters()[field].bounds(setup, effect.member)
-        changes[field] = min(max(getattr(effect, field), low), high)
-    return dataclasses.replace(effect, **changes)
-
-
-def _shapes(effect: Effect, setup: Setup) -> list[Effect]:
-    """Return the effect with all combinations of the parameters that say where and how it acts."""
-    # A frequency is infinite at no effect, and says where it acts all the same.
-    fields = [field for field, known in effect.parameters().items() if known.neutral is None or known.reciprocal]
-    options = [tries(known, setup, effect) for known in (effect.parameters()[field] for field in fields)]
-    if _stands(effect):
-        options = [
-            several if effect.parameters()[field].reciprocal else (getattr(effect, field),)
-            for field, several in zip(fields, options, strict=True)
-        ]
-    shapes = [dataclasses.replace(effect, **dict(zip(fields, values, strict=True))) for values in itertools.product(*options)]
-    if effect.repeats == "one tooth" or not effect.strengths() or _stands(effect):
-        return shapes
-    # Far from typical sizes the response is not that of the typical one, scaled.
-    sizes = DEEP if effect.stage == "flank" else WIDE
-    return shapes + [_bounded(effect.scaled(size, setup), setup) for size in sizes]
-
-
-def _stands(effect: Effect) -> bool:
-    """Return whether an effect is tried as it stands: strengths that say where it acts, as a frequency does, cannot be scaled."""
-    return any(known.reciprocal for known in effect.parameters().values())
-
-
-def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
-    """Return values at which a parameter that says where or how is tried."""
-    low, high = known.bounds(setup, effect.member)
-    typical = known.typically(setup, effect.member)
-    if known.unit == "Hz":
-        return tuple(float(f) for f in np.geomspace(*FREQUENCIES, 5))
-    if known.unit == "rad":
-        return tuple(math.pi * third for third in (-2.0 / 3.0, 0.0, 2.0 / 3.0))
-    if low > 0.0 and high / low > 1e3:
-        # Orders: whole ones first of all.
-        return tuple(float(order) for order in (1, 2, 3, 4, 5)) if typical >= 1.0 else (typical,)
-    return tuple(sorted({min(max(share * typical, low), high) for share in (0.5, 1.0, 1.8)}))
 
 
 def _candidate(problem: Problem, base: Fit, freed: Freed, effect: Effect, unknown: Array | None = None) -> Candidate | None:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from gearfem.diagnosis.diagnose import Diagnosis
-from gearfem.diagnosis.name import Rival
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.diagnosis.variants import VARIANTS
+from gearfem.diagnosis.verdict import Rival
 from gearfem.effects.effect import Effect
 from gearfem.foundation.files import write_json
 from gearfem.foundation.units import UM, factor

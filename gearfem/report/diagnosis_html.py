@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.identify import Identifiability
-from gearfem.diagnosis.name import Rival
 from gearfem.diagnosis.prove import Gap
+from gearfem.diagnosis.verdict import Rival
 from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, stderr
 from gearfem.effects.effect import Effect
 from gearfem.foundation.files import whole

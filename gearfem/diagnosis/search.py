@@ -1,0 +1,136 @@
+"""Explanations of a campaign: sets of effects, fitted, scored and compared."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Sequence
+from typing import TypeAlias
+
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation.progress import Progress, quiet
+
+# Costs in the score, in units of the objective where noise alone is left: of each parameter, and of each tooth or gear tried.
+PARAMETER = 8.0
+# What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
+DETECTED = 40.0
+# Healthy pairs have gained up to a fiftieth of the rows by effects that imitate errors of our model: more is asked of a name.
+IMITATED = 0.01
+# A further name must gain this share of what the first ones did: less is the difference between their shapes and the real ones.
+FURTHER = 0.05
+# Most effects of an explanation.
+MOST = 3
+# Rivals that are fitted again beside the best explanation: those within this share of what it gains.
+NEAR, RIVALS = 0.3, 3
+# What a parameter costs that ends at a bound: the shape wants to be another one.
+AT_BOUND = 30.0
+
+# Where a fit starts: effects, and nuisances other than those of the fit it builds on.
+Start: TypeAlias = tuple[tuple[Effect, ...], Array | None]
+
+
+class Search:
+    """Explanations that have been fitted, by their labels."""
+
+    def __init__(self, problem: Problem, alone: Fit) -> None:
+        self.problem, self.alone = problem, alone
+        self.fits: dict[tuple[object, ...], Fit] = {(): alone}
+        self.rows = len(alone.white)
+
+    def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects") -> None:
+        """Fit sets of effects, each set of names, gears and teeth once."""
+        new = [start for start in starts if label(start[0]) not in self.fits]
+        best = min(fit.objective for fit in self.fits.values())
+        worth = self.alone.objective - 0.5 * (self.alone.objective - best)
+
+        def one(start: Start) -> Fit | None:
+            try:
+                return self.problem.fit(start[0], self.start(start, base), hopeless=worth)
+            except (InputError, SolveError):
+                return None
+
+        for number, (start, found) in enumerate(zip(new, side_by_side(one, new), strict=True)):
+            progress(words, number, len(new))
+            if found is not None:
+                self.fits[label(start[0])] = found
+        progress(words, max(len(new), 1), max(len(new), 1))
+
+    def start(self, start: Start, base: Fit) -> Array:
+        """Return the nuisances from which effects leave least: those of a fit without them, scales as the model has them, or the start's.
+
+        Scales that did the work of a missing effect stand far off, where derivatives mean little.
+        """
+        effects, own = start
+        neutral = base.point.unknown.copy()
+        names = [nuisance.name for nuisance in self.problem.nuisances]
+        neutral[[place for place, word in enumerate(names) if word != "angle_offset"]] = 0.0
+        starts = (base.point.unknown, neutral, *([] if own is None else [own]))
+        return min(starts, key=lambda unknown: self.problem.at(effects, unknown).objective)
+
+    def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
+        """Fit explanations again, each with derivatives taken where it stands."""
+
+        def one(fit: Fit) -> Fit:
+            own = copy.copy(self.problem)
+            return own.fit(fit.effects, own.prepare(fit.effects, fit.point.unknown), fresh=True)
+
+        for number, fit in enumerate(side_by_side(one, fits)):
+            progress(words, number, len(fits))
+            self.fits[label(fit.effects)] = fit
+        progress(words, max(len(fits), 1), max(len(fits), 1))
+        self.alone = self.fits[()]
+
+    def first(self, most: int) -> list[Fit]:
+        """Return the best explanations with effects, at most so many."""
+        return sorted((fit for fit in self.fits.values() if fit.effects), key=self.score)[:most]
+
+    def rivals(self) -> list[Fit]:
+        """Return the explanations that come near the best one, and what is left of that without each of its effects."""
+        best = self.best()
+        gained = self.alone.objective - best.objective
+        parts = {label(effects) for effects, _ in without_one(best)} if len(best.effects) > 1 else set()
+        # What holds the best explanation and more has lost by its cost already: it is no other explanation.
+        own = set(label(best.effects))
+        others = [fit for fit in self.first(len(self.fits)) if not own <= set(label(fit.effects))]
+        near = [fit for fit in others if fit.objective - best.objective < NEAR * gained][:RIVALS]
+        return near + [fit for key, fit in self.fits.items() if key in parts and all(fit is not other for other in near)]
+
+    def cost(self, effects: tuple[Effect, ...]) -> float:
+        """Return what an explanation pays for its parameters and for the teeth and gears among which it was chosen."""
+        pair = self.problem.campaign.setup.pair
+        total = 0.0
+        for effect in effects:
+            total += PARAMETER * len(effect.parameters())
+            if hasattr(effect, "tooth"):
+                total += 2.0 * math.log(pair.pinion.teeth + pair.wheel.teeth)
+        return total
+
+    def score(self, fit: Fit) -> float:
+        """Return the score of a fit; lower is better."""
+        return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound)
+
+    @property
+    def detected(self) -> float:
+        """Least gain that counts."""
+        return max(DETECTED, IMITATED * self.rows)
+
+    def best(self, most: int = MOST) -> Fit:
+        """Return the fit of the best score; each effect more must pay for itself by its share of the gain too."""
+        least = min(fit.objective for fit in self.fits.values())
+        further = max(self.detected, FURTHER * (self.alone.objective - least))
+        few = (fit for fit in self.fits.values() if len(fit.effects) <= most)
+        return min(few, key=lambda fit: self.score(fit) + further * max(len(fit.effects) - 1, 0))
+
+
+def label(effects: tuple[Effect, ...]) -> tuple[object, ...]:
+    """Return names, gears and teeth, by which explanations are told apart."""
+    return tuple(sorted((e.name, getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects))
+
+
+def without_one(fit: Fit) -> list[Start]:
+    """Return the effects of a fit, each left out in turn."""
+    return [(fit.effects[:out] + fit.effects[out + 1 :], None) for out in range(len(fit.effects))]

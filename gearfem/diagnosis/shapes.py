@@ -1,0 +1,63 @@
+"""Shapes and sizes of an effect that are tried before it is fitted."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+
+from gearfem.definition.setup import Setup
+from gearfem.effects.effect import Effect, Parameter
+
+# Further strengths at which an effect of all teeth is tried, as multiples of the typical one.
+DEEP, WIDE = (4.0, 16.0), (0.4, 2.5, 6.0)
+# Natural frequencies at which a resonance is tried [Hz].
+FREQUENCIES = 500.0, 8000.0
+
+
+def bounded(effect: Effect, setup: Setup) -> Effect:
+    """Return an effect whose strengths are moved into their bounds."""
+    changes = {}
+    for field in effect.strengths():
+        low, high = effect.parameters()[field].bounds(setup, effect.member)
+        changes[field] = min(max(getattr(effect, field), low), high)
+    return dataclasses.replace(effect, **changes)
+
+
+def shapes_of(effect: Effect, setup: Setup) -> list[Effect]:
+    """Return the effect with all combinations of the parameters that say where and how it acts."""
+    # A frequency is infinite at no effect, and says where it acts all the same.
+    fields = [field for field, known in effect.parameters().items() if known.neutral is None or known.reciprocal]
+    options = [tries(known, setup, effect) for known in (effect.parameters()[field] for field in fields)]
+    if stands(effect):
+        options = [
+            several if effect.parameters()[field].reciprocal else (getattr(effect, field),)
+            for field, several in zip(fields, options, strict=True)
+        ]
+    shapes = [dataclasses.replace(effect, **dict(zip(fields, values, strict=True))) for values in itertools.product(*options)]
+    if effect.repeats == "one tooth" or not effect.strengths() or stands(effect):
+        return shapes
+    # Far from typical sizes the response is not that of the typical one, scaled.
+    sizes = DEEP if effect.stage == "flank" else WIDE
+    return shapes + [bounded(effect.scaled(size, setup), setup) for size in sizes]
+
+
+def stands(effect: Effect) -> bool:
+    """Return whether an effect is tried as it stands: strengths that say where it acts, as a frequency does, cannot be scaled."""
+    return any(known.reciprocal for known in effect.parameters().values())
+
+
+def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
+    """Return values at which a parameter that says where or how is tried."""
+    low, high = known.bounds(setup, effect.member)
+    typical = known.typically(setup, effect.member)
+    if known.unit == "Hz":
+        return tuple(float(f) for f in np.geomspace(*FREQUENCIES, 5))
+    if known.unit == "rad":
+        return tuple(math.pi * third for third in (-2.0 / 3.0, 0.0, 2.0 / 3.0))
+    if low > 0.0 and high / low > 1e3:
+        # Orders: whole ones first of all.
+        return tuple(float(order) for order in (1, 2, 3, 4, 5)) if typical >= 1.0 else (typical,)
+    return tuple(sorted({min(max(share * typical, low), high) for share in (0.5, 1.0, 1.8)}))

@@ -1,0 +1,193 @@
+"""What a search comes to: the verdict, and everything that it rests on."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Literal
+
+import numpy as np
+from scipy.stats import chi2
+
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.identify import Identifiability
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.search import Search, label
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Record
+
+Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
+
+# Explanations closer than this cannot be told apart; shapes of real effects differ from ours, by this share of what they explain.
+THRESHOLD, SHAPE = 15.0, 0.03
+# Share of the gap that names must close: less is no explanation, and more brings it to the noise.
+STANDS, CLOSED = 0.60, 0.90
+# What fits may leave, over what can be expected of them, before it counts as a gap.
+GAP_SLOW, GAP_MOVING = 1.25, 2.0
+# What may remain beside a name that stands, in gaps.
+REST = 2.4
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Rival(Record):
+    """An explanation beside the chosen one.
+
+    Parameters
+    ----------
+    effects : tuple of Effect
+        As fitted.
+    score_difference : float
+        By how much its score is worse.
+    why : str
+        Why it lost, or that it did not.
+    """
+
+    effects: tuple[Effect, ...]
+    score_difference: float
+    why: str
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Naming(Record):
+    """The verdict, and everything that it rests on.
+
+    Parameters
+    ----------
+    verdict : str
+        As `diagnosis.json` has it.
+    fit : Fit
+        Named effects and nuisances; nuisances alone where nothing is named.
+    alone : Fit
+        Nuisances alone.
+    best : Fit
+        The best explanation, named or not.
+    p_values : tuple of float
+        Of each named effect: chance that noise and our own errors do as much, times the effects, gears and teeth tried.
+    closed : float
+        Share of the gap that the best explanation closes.
+    rivals : tuple of Rival
+        Other explanations that were fitted, best first.
+    identifiable : tuple of Identifiability
+        What these records can show of each effect.
+    threshold : float
+        Score difference below which two explanations count as one.
+    sentence : str
+        Verdict in words.
+    reasons : tuple of str
+        What it rests on.
+    """
+
+    verdict: Verdict
+    fit: Fit
+    alone: Fit
+    best: Fit
+    p_values: tuple[float, ...]
+    closed: float
+    rivals: tuple[Rival, ...]
+    identifiable: tuple[Identifiability, ...]
+    threshold: float
+    sentence: str
+    reasons: tuple[str, ...]
+
+
+def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
+    """Return the verdict of a search that is over, and what the records can show of each effect beside it."""
+    alone = search.alone
+    best = search.best()
+    scores = {key: search.score(fit) for key, fit in search.fits.items()}
+    own = scores[label(best.effects)]
+    gained = scores[()] - own
+    closed = closure(alone, best, search.problem)
+    threshold = max(THRESHOLD, SHAPE * gained)
+    rivals = tuple(
+        Rival(effects=fit.effects, score_difference=scores[key] - own, why=_why(fit, best, scores[key] - own, threshold))
+        for key, fit in sorted(search.fits.items(), key=lambda item: scores[item[0]])
+        if fit is not best and fit.effects
+    )
+    level, remains = (_level(fit, search.problem) for fit in (alone, best))
+    close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
+    if not best.effects or gained < search.detected:
+        verdict: Verdict = "no_discrepancy" if level < 1.0 else "unexplained"
+    elif remains > 1.0 and (closed < STANDS or remains > REST):
+        verdict = "unexplained"
+    elif close:
+        verdict = "ambiguous"
+    elif closed >= CLOSED or remains < 1.0:
+        verdict = "explained"
+    else:
+        verdict = "partly_explained"
+    named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
+    return Naming(
+        verdict=verdict,
+        fit=named,
+        alone=alone,
+        best=best,
+        p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
+        closed=closed,
+        rivals=rivals,
+        identifiable=shown,
+        threshold=threshold,
+        sentence=sentence_of(verdict, named, closed),
+        reasons=(
+            f"The best explanation gains {gained:.0f} in the score; a name needs {search.detected:.0f}.",
+            f"Nuisances alone leave {level:.2f}, the best explanation leaves {remains:.2f} times what counts as a gap.",
+        ),
+    )
+
+
+def closure(alone: Fit, best: Fit, problem: Problem) -> float:
+    """Return the share of the gap that is closed: of the mean square above noise of each record, which counts by that one's logarithm.
+
+    Parameters
+    ----------
+    alone, best : Fit
+        Nuisances alone, and with effects.
+    problem : Problem
+        What was fitted.
+    """
+    before, after = (np.maximum(fit.squares / problem.floor - 1.0, 0.0) for fit in (alone, best))
+    weight = problem.counts * np.log1p(before)
+    return float(weight @ (1.0 - after / np.maximum(before, 1e-9)) / weight.sum()) if weight.sum() > 0.0 else 1.0
+
+
+def _level(fit: Fit, problem: Problem) -> float:
+    """Return what a fit leaves: the geometric mean over the rows of the mean squares over what can be expected, 1 at least.
+
+    Slow records and motions by themselves, in parts of what counts as a gap of each; the larger one, so that many records without a gap
+    do not hide the others.
+    """
+    above = np.log(np.maximum(fit.squares / problem.floor, 1.0))
+    moving = np.array([record.quantity.moving for record in problem.records])
+    kinds = ((~moving, GAP_SLOW), (moving, GAP_MOVING))
+    return max(math.exp(float(problem.counts[kind] @ above[kind] / problem.counts[kind].sum())) / gap for kind, gap in kinds if kind.any())
+
+
+def _p_value(search: Search, best: Fit, number: int) -> float:
+    """Return the chance of the gain of one effect, times the explanations that were tried."""
+    without = search.fits.get(label(best.effects[:number] + best.effects[number + 1 :]))
+    if without is None:
+        return 0.0
+    gain = without.objective - best.objective
+    pair = search.problem.campaign.setup.pair
+    trials = 40 + 3 * (pair.pinion.teeth + pair.wheel.teeth)
+    return min(1.0, trials * float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters()))))
+
+
+def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
+    if difference < threshold:
+        return f"cannot be told apart: its score is worse by {difference:.1f}, less than {threshold:.1f}"
+    if set(label(best.effects)) < set(label(fit.effects)):
+        return f"explains no more than its further parameters cost (score worse by {difference:.1f})"
+    return f"leaves more of the gap: score worse by {difference:.1f}"
+
+
+def sentence_of(verdict: Verdict, fit: Fit, closed: float) -> str:
+    """Return a verdict in words: the effects of a fit, and the share of the gap that it closes."""
+    words = "; ".join(effect.describe() for effect in fit.effects)
+    return {
+        "no_discrepancy": "Model and measurement agree within noise, the scatter of single teeth and the errors of our own model.",
+        "unexplained": "There is a gap that no effect of the catalogue, alone or with others, closes: none is named.",
+        "ambiguous": f"{words}; but other explanations fit these data as well.",
+        "explained": f"{words}: this closes {100.0 * closed:.0f} % of the gap.",
+        "partly_explained": f"{words}: this closes {100.0 * closed:.0f} % of the gap, and a significant rest remains.",
+    }[verdict]
