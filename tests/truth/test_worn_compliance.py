@@ -192,3 +192,13 @@ def test_beams_lose_the_thickness_of_one_side(sound: Outline) -> None:
     assert less / bare - 1.0 == pytest.approx(elements - 1.0, rel=0.15, abs=0.0)
     # The trapezoid is read at the load, which comes to the same at the tip alone.
     assert trapezoid[-1] - 1.0 == pytest.approx(elements[-1] - 1.0, rel=0.15, abs=0.0)
+
+
+def test_a_place_that_wear_moves_off_the_mesh_is_left_out(gear_factory) -> None:
+    """The involute of this gear begins beside the base circle, where the load line hardly turns before it misses the mesh."""
+    outline = Outline(gear=gear_factory(18, 3e-3, 30e-3, 0.0, bore_radius=10e-3))
+    u = np.array([2.0, 2.1, 2.9])
+    assert METHOD.tooth(outline, u).u.tolist() == u.tolist()
+    found, one = (way(METHOD, worn(outline, 10e-6), *among, u) for way, among in ((worn_tooth, ()), (odd_tooth, (outline,))))
+    assert found.u.tolist() == one.u.tolist() == [2.1, 2.9]
+    assert one.coupling.shape[-2:] == (2, 2)
