@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from gearfem.diagnosis.few import judge_few
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import identify
 from gearfem.diagnosis.problem import Problem
@@ -51,6 +52,8 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     _prepare_width(problem, kinds, progress)
     first = rank(problem, alone, kinds, progress)
     shown = identify(problem, alone, first)
+    if alone.objective < search.detected:
+        return judge_few(search, judge(search, shown), first, progress)
     _singles(search, alone, first, progress)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")

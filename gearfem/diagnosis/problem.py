@@ -123,8 +123,9 @@ class Problem:
         return np.concatenate([unknown, np.zeros(self.outer + inner - len(unknown))])
 
     def remember(self, fit: Fit) -> None:
-        """Take over how many rows the errors of the model stay alike from what a fit leaves."""
-        self.memory = np.array([memory_of(fit.white[rows]) for rows in self.linear.rows])
+        """Take over how many rows the errors of the model stay alike from what a fit leaves; a gear off the rig has none but its shape."""
+        rows = zip(self.records, self.linear.rows, strict=True)
+        self.memory = np.array([1.0 if record.quantity.of_gear else memory_of(fit.white[part]) for record, part in rows])
 
     # ---- points ---------------------------------------------------------------------------------
 

@@ -104,7 +104,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         for key, fit in sorted(search.fits.items(), key=lambda item: scores[item[0]])
         if fit is not best and fit.effects
     )
-    level, remains = (_level(fit, search.problem) for fit in (alone, best))
+    level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
     if not best.effects or gained < search.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 else "unexplained"
@@ -150,8 +150,8 @@ def closure(alone: Fit, best: Fit, problem: Problem) -> float:
     return float(weight @ (1.0 - after / np.maximum(before, 1e-9)) / weight.sum()) if weight.sum() > 0.0 else 1.0
 
 
-def _level(fit: Fit, problem: Problem) -> float:
-    """Return what a fit leaves: the geometric mean over the rows of the mean squares over what can be expected, 1 at least.
+def gap_left(fit: Fit, problem: Problem) -> float:
+    """Return what a fit leaves; above 1 is a gap: the geometric mean over the rows of the mean squares over what can be expected, or 1.
 
     Slow records and motions by themselves, in parts of what counts as a gap of each; the larger one, so that many records without a gap
     do not hide the others.

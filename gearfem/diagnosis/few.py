@@ -1,0 +1,86 @@
+"""The verdict on so few numbers that no explanation can gain what a name needs."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from scipy.stats import chi2
+
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.rank import Candidate
+from gearfem.diagnosis.search import Search
+from gearfem.diagnosis.verdict import Naming, Rival, closure, gap_left, sentence_of
+from gearfem.foundation.progress import Progress
+
+# Chance of a gap as wide in noise and nuisances alone, below which it is one.
+CHANCE = 0.01
+# Share of what the nuisances leave that a candidate must promise to be fitted.
+PROMISED = 0.5
+
+
+def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...], progress: Progress) -> Naming:
+    """Return the verdict where the records hold a handful of numbers: nothing, ambiguous, or without a name.
+
+    Parameters
+    ----------
+    search : Search
+        Of the nuisances alone.
+    naming : Naming
+        The verdict on them.
+    candidates : tuple of Candidate
+        From `rank`.
+    progress : Progress
+        Told how many fits are done.
+
+    Returns
+    -------
+    Naming
+
+    Notes
+    -----
+    Of a handful of numbers, the variance that a model leaves cannot be told: the gap is judged by its square under noise and the
+    priors of all nuisances, r' (I + A A')^-1 r, against chi-square. If it is one, every effect that closes it without ending at a
+    bound is an explanation; the one with the fewest parameters is named, and two of them are one too many to decide.
+    """
+    problem, alone, setup = search.problem, search.alone, search.problem.campaign.setup
+    chance = float(chi2.sf(_square(problem, search), search.rows))
+    seen = (
+        f"Nuisances alone leave {gap_left(alone, problem):.2f} times what counts as a gap.",
+        f"Noise and nuisances within their priors make a gap as wide with a chance of {chance:.2g}.",
+    )
+    if chance > CHANCE:
+        return dataclasses.replace(naming, verdict="no_discrepancy", sentence=sentence_of("no_discrepancy", alone, 1.0), reasons=seen)
+    promising = [candidate for candidate in candidates if candidate.gain > PROMISED * alone.objective]
+    search.fit([((candidate.start(setup),), candidate.unknown) for candidate in promising], alone, progress, "single effects")
+    fits = [fit for fit in search.fits.values() if fit.effects and not fit.bound and gap_left(fit, problem) < 1.0]
+    # All of them close it fully: what they cost decides, and then an instrument that is wrong comes last.
+    fits.sort(key=lambda fit: (round(search.score(fit), 1), fit.effects[0].stage == "sensing"))
+    reasons = (*seen, f"{len(fits)} effects close the gap alone; so few numbers cannot decide between them.")
+    if len(fits) < 2:
+        return dataclasses.replace(naming, verdict="unexplained", sentence=sentence_of("unexplained", alone, 0.0), reasons=reasons)
+    best = fits[0]
+    apart = [search.score(fit) - search.score(best) for fit in fits]
+    rivals = tuple(
+        Rival(effects=fit.effects, score_difference=worse, why=f"closes the gap as well; its score is worse by {worse:.1f}")
+        for fit, worse in zip(fits[1:], apart[1:], strict=True)
+    )
+    closed = closure(alone, best, problem)
+    return dataclasses.replace(
+        naming,
+        verdict="ambiguous",
+        fit=best,
+        best=best,
+        p_values=(1.0,),
+        closed=closed,
+        rivals=rivals,
+        threshold=max(naming.threshold, apart[-1] + 1.0),
+        sentence=sentence_of("ambiguous", best, closed),
+        reasons=reasons,
+    )
+
+
+def _square(problem: Problem, search: Search) -> float:
+    """Return the square of the gap in standard deviations of noise and of everything freed."""
+    gap = problem.effective(search.alone.point)
+    return float(problem.whole.weighed(np.ones(len(problem.records))).measure(gap[:, None], gap)[0][0, 0])
