@@ -96,9 +96,7 @@ def sweep(
 
         Examples
         --------
-        >>> from gearfem.dynamics.uneven import uneven_point
-    from gearfem.engagement.record import MeshForce
-    from gearfem.engagement.turns import Turns
+        >>> from gearfem.engagement.record import MeshForce
         >>> angle, e = np.linspace(0.0, 0.4, 64, endpoint=False), np.linspace(0.0, 4e-5, 9)
         >>> force = 4e8 * (1.0 + 0.1 * np.cos(5.0 * np.pi * angle))[:, None] * e
         >>> mesh = MeshForce(pinion_angle=angle, period=0.4, deflection=e, normal_force=force, pinion_moment=0.05 * force,
