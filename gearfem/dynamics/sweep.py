@@ -54,59 +54,59 @@ def sweep(
 ) -> Sweep:
     """Return the steady motion of the elastic model at every speed, by compiled fixed steps.
 
-        Parameters
-        ----------
-        mesh : MeshForce or Turns
-            Forces of the working flanks; where teeth differ or torques ripple, the gears themselves, which are stepped over whole turns.
-        drive : DriveTrain
-            Inertias, pinion torque, friction and damping; speed, wheel torque and efficiency are not used.
-        speeds : iterable of float
-            Mean speeds of the pinion, increasing [rad/s].
-        both_ways : bool
-            Whether each speed starts from the motion at the one before it, upward and downward, so that both branches of a jump appear;
-            by default each starts from the mean deflection at rest, independent of the others.
-        steps : int
-            Steps per mesh cycle of equal teeth; 0 takes `default_steps`, whose error is below 1e-4 of Kw.
-        workers : int
-            Processes; up and down count as one task each, independent speeds as many. A script that asks for more than one
-            needs the usual guard `if __name__ == "__main__"`.
-        known : sequence of SweepPoint or Failure
-            What is there of an interrupted sweep, which are not computed again; the rest comes out as if it had not been interrupted.
-        finished : callable, optional
-            Told each new point, or failure, as soon as it is there.
-        progress : Progress
-            Listener.
+    Parameters
+    ----------
+    mesh : MeshForce or Turns
+        Forces of the working flanks; where teeth differ or torques ripple, the gears themselves, which are stepped over whole turns.
+    drive : DriveTrain
+        Inertias, pinion torque, friction and damping; speed, wheel torque and efficiency are not used.
+    speeds : iterable of float
+        Mean speeds of the pinion, increasing [rad/s].
+    both_ways : bool
+        Whether each speed starts from the motion at the one before it, upward and downward, so that both branches of a jump appear;
+        by default each starts from the mean deflection at rest, independent of the others.
+    steps : int
+        Steps per mesh cycle of equal teeth; 0 takes `default_steps`, whose error is below 1e-4 of Kw.
+    workers : int
+        Processes; up and down count as one task each, independent speeds as many. A script that asks for more than one
+        needs the usual guard `if __name__ == "__main__"`.
+    known : sequence of SweepPoint or Failure
+        What is there of an interrupted sweep, which are not computed again; the rest comes out as if it had not been interrupted.
+    finished : callable, optional
+        Told each new point, or failure, as soon as it is there.
+    progress : Progress
+        Listener.
 
-        Returns
-        -------
-        Sweep
-            Speeds that fail, as where parametric resonance outgrows the damping, are in its `failures`.
+    Returns
+    -------
+    Sweep
+        Speeds that fail, as where parametric resonance outgrows the damping, are in its `failures`.
 
-        Raises
-        ------
-        InputError
-            If speeds, steps or workers cannot be used.
+    Raises
+    ------
+    InputError
+        If speeds, steps or workers cannot be used.
 
-        Notes
-        -----
-        Equations of `RelativeMotion`, as `elastic_motion`, whose numbers come out within 1e-4. The transport is the rigid motion
-        under the unloaded ratio, uniform for unworn teeth. Steady motion as in `fast.steady`. Drives of more than two inertias go
-        through `elastic_motion` instead, a second or so for each speed: extremes are those of 800 samples, and motions that do
-        not repeat after one cycle are failures. Over whole turns any drive train goes as in `march_turns`.
+    Notes
+    -----
+    Equations of `RelativeMotion`, as `elastic_motion`, whose numbers come out within 1e-4. The transport is the rigid motion
+    under the unloaded ratio, uniform for unworn teeth. Steady motion as in `fast.steady`. Drives of more than two inertias go
+    through `elastic_motion` instead, a second or so for each speed: extremes are those of 800 samples, and motions that do
+    not repeat after one cycle are failures. Over whole turns any drive train goes as in `march_turns`.
 
-        Examples
-        --------
-        >>> from gearfem.engagement.record import MeshForce
-        >>> angle, e = np.linspace(0.0, 0.4, 64, endpoint=False), np.linspace(0.0, 4e-5, 9)
-        >>> force = 4e8 * (1.0 + 0.1 * np.cos(5.0 * np.pi * angle))[:, None] * e
-        >>> mesh = MeshForce(pinion_angle=angle, period=0.4, deflection=e, normal_force=force, pinion_moment=0.05 * force,
-        ...     wheel_moment=0.1 * force, pinion_friction=0.0 * force, wheel_friction=0.0 * force, unloaded_error=0.0 * angle,
-        ...     sliding_reversals=np.empty(0), base_radius1=0.05, base_radius2=0.1, normal_backlash=1e-4, mean_stiffness=4e8)
-        >>> drive = DriveTrain(pinion_inertia=0.01, wheel_inertia=0.1, pinion_torque=300.0, wheel_torque=600.0,
-        ...     efficiency=1.0, pinion_speed=100.0, friction_coefficient=0.0, damping_ratio=0.1)
-        >>> result = sweep(mesh, drive, np.linspace(100.0, 1000.0, 4))
-        >>> bool(result.column("dynamic_factor_max", "rest").max() > 1.1)
-        True
+    Examples
+    --------
+    >>> from gearfem.engagement.record import MeshForce
+    >>> angle, e = np.linspace(0.0, 0.4, 64, endpoint=False), np.linspace(0.0, 4e-5, 9)
+    >>> force = 4e8 * (1.0 + 0.1 * np.cos(5.0 * np.pi * angle))[:, None] * e
+    >>> mesh = MeshForce(pinion_angle=angle, period=0.4, deflection=e, normal_force=force, pinion_moment=0.05 * force,
+    ...     wheel_moment=0.1 * force, pinion_friction=0.0 * force, wheel_friction=0.0 * force, unloaded_error=0.0 * angle,
+    ...     sliding_reversals=np.empty(0), base_radius1=0.05, base_radius2=0.1, normal_backlash=1e-4, mean_stiffness=4e8)
+    >>> drive = DriveTrain(pinion_inertia=0.01, wheel_inertia=0.1, pinion_torque=300.0, wheel_torque=600.0,
+    ...     efficiency=1.0, pinion_speed=100.0, friction_coefficient=0.0, damping_ratio=0.1)
+    >>> result = sweep(mesh, drive, np.linspace(100.0, 1000.0, 4))
+    >>> bool(result.column("dynamic_factor_max", "rest").max() > 1.1)
+    True
     """
     wanted = _checked(speeds, steps, workers)
     chains: list[tuple[Direction, list[float]]] = [("rest", [speed]) for speed in wanted]
