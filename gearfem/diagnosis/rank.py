@@ -65,7 +65,9 @@ class Candidate(Record):
 
     def start(self, setup: Setup) -> Effect:
         """Return the effect at the strength that would lower the objective most, within its bounds."""
-        return bounded(self.effect.scaled(min(max(self.amplitude, -3.0), 3.0), setup), setup)
+        # What comes once a turn is linear in its strength; most others bend.
+        most = 50.0 if self.effect.repeats == "once a turn" else 3.0
+        return bounded(self.effect.scaled(min(max(self.amplitude, -most), most), setup), setup)
 
     @property
     def label(self) -> tuple[str, str, int]:
