@@ -21,6 +21,8 @@ from gearfem.foundation.progress import Progress, quiet
 
 # Rounds in which the strength of a candidate is improved, unless it promises less than this anyway.
 REFINED, WORTH = 2, 5.0
+# Rounds in which the weights of records settle.
+WEIGHED = 4
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
 PER_PITCH = 48
 # Shapes of an effect that are looked at in motion too.
@@ -127,6 +129,7 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
 
 def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]], progress: Progress, words: str) -> tuple[Candidate, ...]:
     found: list[Candidate] = []
+    base = _standing(problem, base)
     freed = problem.freed(base.point)
 
     def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
@@ -140,6 +143,16 @@ def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]]
         found += several
     progress(words, len(jobs), len(jobs))
     return tuple(sorted(found, key=lambda candidate: -candidate.gain))
+
+
+def _standing(problem: Problem, base: Fit) -> Fit:
+    """Return a fit predicted with the very index errors with which candidates are: what they leave is then their own response."""
+    point, weights = base.point, base.point.weights if len(base.point.weights) == len(problem.records) else None
+    # Until the weights are those that the point deserves, which candidates start from.
+    for _ in range(WEIGHED):
+        point = problem.at(base.effects, base.point.unknown, weights)
+        weights = point.weights
+    return dataclasses.replace(base, point=dataclasses.replace(point, unknown=base.point.unknown))
 
 
 def _starts(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[Effect]:
@@ -270,14 +283,14 @@ def _likeliest(problem: Problem, base: Fit, start: Effect) -> list[tuple[Effect,
     if not len(places):
         return []
     slow = problem.part(places)
-    level = dataclasses.replace(base, point=slow.at(base.effects, base.point.unknown), squares=base.squares[places])
+    level = _standing(slow, dataclasses.replace(base, squares=base.squares[places]))
     freed = slow.freed(level.point)
-    found = [
-        candidate
-        for effect in shapes
-        for unknown in (None, *_elsewhere(slow, level, effect))
-        if (candidate := _candidate(slow, level, freed, effect, unknown)) is not None
-    ]
+    found = []
+    for effect in shapes:
+        here = _candidate(slow, level, freed, effect)
+        if here is not None:
+            others = (_candidate(slow, level, freed, effect, unknown) for unknown in _elsewhere(slow, level, effect))
+            found += [here, *(other for other in others if other is not None)]
     found.sort(key=lambda candidate: -candidate.gain)
     return [(candidate.effect, candidate.unknown) for candidate in found[:LIKELIEST]]
 
