@@ -57,9 +57,9 @@ def read_tables(path: str | Path) -> dict[str, Any]:
     try:
         return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
-        raise InputError("model file", "no such file", "the path of a model file (*.toml)", str(path)) from None
+        raise InputError("the file", "no such file", "the path of a TOML file (*.toml)", str(path)) from None
     except OSError as error:
-        raise InputError("model file", (error.strerror or "an error").lower(), "a file that can be read", str(path)) from None
+        raise InputError("the file", (error.strerror or "an error").lower(), "a file that can be read", str(path)) from None
     except UnicodeDecodeError as error:
         raise InputError(f"byte {error.start}", "a character that is not UTF-8", "TOML text in UTF-8", str(path)) from None
     except (ValueError, RecursionError) as error:

@@ -247,6 +247,6 @@ def test_files_that_cannot_be_read_are_named(tmp_path: Path, case):
 
 def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path):
     for path in (tmp_path / "none.toml", tmp_path):
-        with pytest.raises(InputError, match=r"model file: found .*; allowed: ") as refusal:
+        with pytest.raises(InputError, match=r"the file: found .*; allowed: ") as refusal:
             load_model(path)
         assert str(refusal.value).startswith(f"{path}: ")
