@@ -18,8 +18,9 @@ from gearfem.foundation import Record
 
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
 
-# Explanations closer than this cannot be told apart; shapes of real effects differ from ours, by this share of what they explain.
-THRESHOLD, SHAPE = 15.0, 0.03
+# Explanations closer than this cannot be told apart: scores wander by up to 50 where derivatives are taken again. Shapes of real effects
+# differ from ours, by this share of what they explain.
+THRESHOLD, SHAPE = 40.0, 0.005
 # Share of the gap that names must close: less is no explanation, and more brings it to the noise.
 STANDS, CLOSED = 0.60, 0.90
 # What fits may leave, over what can be expected of them, before it counts as a gap.
