@@ -49,6 +49,17 @@ class Placement(Record):
     support: float = 0.0
 
 
+def evenly_spaced(placement: Placement) -> Placement:
+    """Return the same gears centred, every tooth in its place."""
+    return dataclasses.replace(
+        placement,
+        pinion_late=np.zeros_like(placement.pinion_late),
+        wheel_late=np.zeros_like(placement.wheel_late),
+        pinion_runout=(0.0, 0.0),
+        wheel_runout=(0.0, 0.0),
+    )
+
+
 def make_placement(setup: Setup) -> Placement:
     """Return the placement of perfectly spaced teeth on perfectly mounted axes.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -45,11 +46,11 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     Notes
     -----
     Forward selection with back-elimination, up to three effects; the first candidates are tried in pairs too. A score is the objective
-    (whitened residual and all nuisances, model form included, in prior deviations) over the mean square that the best fit leaves,
-    plus a cost for each parameter and for the choice of a tooth.
+    (what records cost by `profile`, and all nuisances, model form included, in prior deviations, squared) plus a cost for each
+    parameter, for the choice of a tooth and for a parameter at its bound. Leads need solid elements: the misalignment among the errors of
+    the model has computed them before the work is shared out.
     """
     search = Search(problem, alone)
-    _prepare_width(problem, kinds, progress)
     first = rank(problem, alone, kinds, progress)
     shown = identify(problem, alone, first)
     if alone.objective < search.detected:
@@ -62,7 +63,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         if len(best.effects) != count:
             break
         problem.prepare(best.effects, best.point.unknown)
-        again = [c for c in rank_again(problem, best, first, progress) if c.gain > DETECTED and c.effect.name not in _taken(best)]
+        again = [c for c in rank_again(problem, best, first, progress) if c.gain > DETECTED]
         setup = problem.campaign.setup
         starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in _apart(again, PAIRED)]
         search.fit(starts, best, progress, "further effects")
@@ -79,23 +80,6 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     best = search.best()
     problem.prepare(best.effects, best.point.unknown)
     return judge(search, shown)
-
-
-def _prepare_width(problem: Problem, kinds: Mapping[str, type[Effect]], progress: Progress) -> None:
-    """Compute the solid elements behind leads once, before the work is shared out: a child's memory ends with it."""
-    for kind in kinds.values():
-        if kind.stage == "flank":
-            system = problem.bench((kind.example(problem.campaign.setup),)).system
-            if not system.flanks.lead.uniform:
-                progress("solid elements of a lead", 0, 1)
-                assert system.mesh.lead is not None
-                progress("solid elements of a lead", 1, 1)
-                return
-
-
-def _taken(best: Fit) -> set[str]:
-    """Return the effects that may not be added once more: those that replace a value of the model."""
-    return {effect.name for effect in best.effects if type(effect).replaces}
 
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
@@ -129,8 +113,7 @@ def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress
 def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
     """Fit the pairs of the first candidates that promise most together."""
     few = [c for c in candidates if c.gain > DETECTED / 8.0][:5]
-    pairs = [(a, b) for i, a in enumerate(few) for b in few[i + 1 :] if a.effect.name != b.effect.name or a.label != b.label]
-    gains = sorted(((together(search.problem, alone, pair), pair) for pair in pairs), key=lambda item: -item[0])
+    gains = sorted(((together(search.problem, alone, pair), pair) for pair in itertools.combinations(few, 2)), key=lambda item: -item[0])
     single = alone.objective - search.best(1).objective
     chosen = [pair for gain, pair in gains if gain > single + DETECTED][:1]
     setup = search.problem.campaign.setup

@@ -80,7 +80,7 @@ class Problem:
         self.unknowns = unknowns_of(campaign, records, scatter or Scatter())
         self.nuisances = self.unknowns.nuisances
         self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
-        self.weights, self.memory = np.ones(len(records)), np.ones(len(records))
+        self.memory = np.ones(len(records))
         self.counts = np.array([float(record.keep.sum()) for record in records])
 
     @property
@@ -95,8 +95,7 @@ class Problem:
         part.columns = tuple(self.columns[i] for i in places)
         part.scales = np.concatenate([self.scales[self.linear.rows[i]] for i in places])
         part.linear, part.whole = self.linear.part(places), self.whole.part(places)
-        part.weights, part.memory = self.weights[places], self.memory[places]
-        part.floor, part.counts = self.floor[places], self.counts[places]
+        part.floor, part.counts, part.memory = self.floor[places], self.counts[places], self.memory[places]
         return part
 
     def settings(self, unknown: Array) -> Settings:
@@ -129,7 +128,7 @@ class Problem:
 
     # ---- points ---------------------------------------------------------------------------------
 
-    def at(self, effects: tuple[Effect, ...], unknown: Array, weights: Array | None = None) -> Point:
+    def at(self, effects: tuple[Effect, ...], unknown: Array, weights: Array | None = None, rounds: int = 1) -> Point:
         """Return a point: all that is linear about it, index errors too, moved to where it leaves least.
 
         Parameters
@@ -137,7 +136,9 @@ class Problem:
         effects, unknown : tuple of Effect, ndarray of shape (k,)
             Where.
         weights : ndarray, shape (r,), optional
-            What each record counts; by default what it deserves at this point.
+            What each record counts at first: those of a point nearby; by default what it deserves here, found in three rounds from 1.
+        rounds : int
+            Rounds in which given weights are brought up to what each record deserves here.
         """
         predicted = self.predict(effects, unknown)
         outer = unknown[: self.outer]
@@ -145,9 +146,8 @@ class Problem:
         index[self.unknowns.late] = unknown[self.unknowns.late]
         index = index[self.outer :]
         residual = self._residual(predicted, index)
-        # Without weights from a point nearby, those that this point deserves are found first.
-        deserved = self.weights if weights is None else weights
-        for _ in range(3 if weights is None else 1):
+        deserved, rounds = (np.ones(len(self.records)), 3) if weights is None else (weights, rounds)
+        for _ in range(rounds):
             solved, cost, deserved = self._solve(residual, deserved)
         return Point(
             effects=effects,

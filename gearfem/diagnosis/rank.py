@@ -71,11 +71,6 @@ class Candidate(Record):
         most = 50.0 if self.effect.repeats == "once a turn" else 3.0
         return bounded(self.effect.scaled(min(max(self.amplitude, -most), most), setup), setup)
 
-    @property
-    def label(self) -> tuple[str, str, int]:
-        """Name, gear and tooth; -1 where it has none."""
-        return self.effect.name, getattr(self.effect, "gear", ""), getattr(self.effect, "tooth", -1)
-
 
 def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> tuple[Candidate, ...]:
     """Return the effects that these records can show, the one that explains most first.
@@ -127,32 +122,39 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
     return _ranked(problem, base, [*teeth, *others], progress, "candidates beside what is found")
 
 
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class _View:
+    """Records beside a fit that candidates are measured against, predicted with the very index errors with which candidates are."""
+
+    problem: Problem
+    base: Fit
+    freed: Freed
+
+
+def _view(problem: Problem, base: Fit, weights: Array, squares: Array) -> _View:
+    point = problem.at(base.effects, base.point.unknown, weights, WEIGHED)
+    base = dataclasses.replace(base, point=dataclasses.replace(point, unknown=base.point.unknown), squares=squares)
+    return _View(problem=problem, base=base, freed=problem.freed(base.point))
+
+
 def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]], progress: Progress, words: str) -> tuple[Candidate, ...]:
     found: list[Candidate] = []
-    base = _standing(problem, base)
-    freed = problem.freed(base.point)
+    weights, squares = base.point.weights, base.squares
+    view, slow = _view(problem, base, weights, squares), None
+    places = np.flatnonzero([not record.quantity.moving for record in problem.records])
+    if len(places):
+        slow = _view(problem.part(places), base, weights[places], squares[places])
 
     def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
-        starts = _starts(problem, base, *job)
-        if stands(starts[0]):
-            return [fitted for start in starts if (fitted := _fitted(problem, base, start)) is not None]
-        return [best for start in starts if (best := _best(problem, base, freed, start)) is not None]
+        starts = _starts(problem, view.base, *job)
+        tried = (_fitted(view, start) if stands(start) else _best(view, slow, start) for start in starts)
+        return [candidate for candidate in tried if candidate is not None]
 
     for number, several in enumerate(side_by_side(one, jobs)):
         progress(words, number, len(jobs))
         found += several
     progress(words, len(jobs), len(jobs))
     return tuple(sorted(found, key=lambda candidate: -candidate.gain))
-
-
-def _standing(problem: Problem, base: Fit) -> Fit:
-    """Return a fit predicted with the very index errors with which candidates are: what they leave is then their own response."""
-    point, weights = base.point, base.point.weights if len(base.point.weights) == len(problem.records) else None
-    # Until the weights are those that the point deserves, which candidates start from.
-    for _ in range(WEIGHED):
-        point = problem.at(base.effects, base.point.unknown, weights)
-        weights = point.weights
-    return dataclasses.replace(base, point=dataclasses.replace(point, unknown=base.point.unknown))
 
 
 def _starts(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[Effect]:
@@ -214,38 +216,39 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
     return np.asarray(np.where(freed > 0.0, pull**2 / np.maximum(freed, 1e-300), 0.0))
 
 
-def _best(problem: Problem, base: Fit, freed: Freed, start: Effect) -> Candidate | None:
+def _best(view: _View, slow: _View | None, start: Effect) -> Candidate | None:
     """Return the effect at the shape, and then the strength, that explain most."""
-    likely = _likeliest(problem, base, start)
-    if not likely and _lost(problem, base):
-        return _fitted(problem, base, start)
-    likely = likely or [(effect, None) for effect in shapes_of(start, problem.campaign.setup)]
-    candidates = [_candidate(problem, base, freed, effect, unknown) for effect, unknown in likely]
+    setup = view.problem.campaign.setup
+    likely = _likeliest(slow, start) if slow is not None else []
+    if not likely and _lost(view):
+        return _fitted(view, start)
+    likely = likely or [(effect, None) for effect in shapes_of(start, setup)]
+    candidates = [_candidate(view, effect, unknown) for effect, unknown in likely]
     good = [candidate for candidate in candidates if candidate is not None]
     if not good:
         return None
     best = max(good, key=lambda candidate: candidate.gain)
-    setup = problem.campaign.setup
     for _ in range(REFINED if best.gain > WORTH else 0):
         # Half way from here to where the response would end if it were linear, since it bends.
         strength = best.amplitude if best.amplitude < 1.0 else 0.5 * (1.0 + best.amplitude)
         effect = bounded(best.effect.scaled(min(strength, 3.0), setup), setup)
-        other = _candidate(problem, base, freed, effect, best.unknown)
+        other = _candidate(view, effect, best.unknown)
         if other is None or other.gain <= best.gain:
             break
         best = other
     return best
 
 
-def _fitted(problem: Problem, base: Fit, start: Effect) -> Candidate | None:
+def _fitted(view: _View, start: Effect) -> Candidate | None:
     """Return an effect as fits from several places find it: one that cannot be scaled, or that changes motions which are far off anyway."""
+    problem, base = view.problem, view.base
     if not any(record.quantity.moving for record in problem.records):
         return None
-    lost = _lost(problem, base)
+    lost = _lost(view)
     starts = [
         ((*base.effects, effect), unknown)
         for effect in shapes_of(start, problem.campaign.setup)[:: 1 if lost else 2]
-        for unknown in _elsewhere(problem, base, effect) or [base.point.unknown]
+        for unknown in _elsewhere(view, effect) or [base.point.unknown]
     ]
     found = _fits(problem, starts, 2, lost)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]
@@ -255,14 +258,14 @@ def _fitted(problem: Problem, base: Fit, start: Effect) -> Candidate | None:
     signature = problem.whiten(tuple(a - b for a, b in zip(best.point.predicted, base.point.predicted, strict=True)))
     if not signature @ signature > 0.0:
         return None
-    scored = _scored(best.effects[-1], signature, problem.freed(base.point), problem.campaign.setup, best.point.unknown)
+    scored = _scored(best.effects[-1], signature, view.freed, problem.campaign.setup, best.point.unknown)
     return dataclasses.replace(scored, gain=max(base.objective - best.objective, 0.0), amplitude=1.0)
 
 
-def _lost(problem: Problem, base: Fit) -> bool:
+def _lost(view: _View) -> bool:
     """Return whether a fit leaves so much of motions that what is linear about it says little."""
-    moving = np.array([record.quantity.moving for record in problem.records])
-    return bool(moving.any() and (base.squares / problem.floor)[moving].max() > LOST)
+    moving = np.array([record.quantity.moving for record in view.problem.records])
+    return bool(moving.any() and (view.base.squares / view.problem.floor)[moving].max() > LOST)
 
 
 def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, fresh: bool) -> list[Fit]:
@@ -273,39 +276,32 @@ def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], roun
     return found
 
 
-def _likeliest(problem: Problem, base: Fit, start: Effect) -> list[tuple[Effect, Array | None]]:
+def _likeliest(slow: _View, start: Effect) -> list[tuple[Effect, Array | None]]:
     """Return the shapes of an effect, and the nuisances, that explain most of the slow records, which cost a hundredth of motions.
 
-    None where slow records are blind to it or missing.
+    None where slow records are blind to it.
     """
-    shapes = shapes_of(start, problem.campaign.setup)
-    places = np.flatnonzero([not record.quantity.moving for record in problem.records])
-    if not len(places):
-        return []
-    slow = problem.part(places)
-    level = _standing(slow, dataclasses.replace(base, squares=base.squares[places]))
-    freed = slow.freed(level.point)
     found = []
-    for effect in shapes:
-        here = _candidate(slow, level, freed, effect)
+    for effect in shapes_of(start, slow.problem.campaign.setup):
+        here = _candidate(slow, effect)
         if here is not None:
-            others = (_candidate(slow, level, freed, effect, unknown) for unknown in _elsewhere(slow, level, effect))
+            others = (_candidate(slow, effect, unknown) for unknown in _elsewhere(slow, effect))
             found += [here, *(other for other in others if other is not None)]
     found.sort(key=lambda candidate: -candidate.gain)
     return [(candidate.effect, candidate.unknown) for candidate in found[:LIKELIEST]]
 
 
-def _elsewhere(problem: Problem, base: Fit, effect: Effect) -> list[Array]:
+def _elsewhere(view: _View, effect: Effect) -> list[Array]:
     """Return nuisances other than those of a fit that is far from the records, from which an effect may lead nearer.
 
     Scales as the model has them, since those of the fit do the work of what is missing; and zeros of the pinion angle as they look with
     the effect in the model, since effects that change all flanks much move the mesh lines.
     """
+    problem, base = view.problem, view.base
     if (base.squares / problem.floor).max() < LOST:
         return []
     names = [nuisance.name for nuisance in problem.nuisances]
-    neutral = base.point.unknown.copy()
-    neutral[[place for place, word in enumerate(names) if word != "angle_offset"]] = 0.0
+    neutral = problem.unknowns.neutral(base.point.unknown)
     if "angle_offset" not in names or effect.repeats != "every tooth" or effect.stage not in ("flank", "placement"):
         return [neutral]
     place = names.index("angle_offset")
@@ -326,12 +322,13 @@ def _elsewhere(problem: Problem, base: Fit, effect: Effect) -> list[Array]:
     return found
 
 
-def _candidate(problem: Problem, base: Fit, freed: Freed, effect: Effect, unknown: Array | None = None) -> Candidate | None:
+def _candidate(view: _View, effect: Effect, unknown: Array | None = None) -> Candidate | None:
     """Return how far an effect would explain what a fit leaves; None if it cannot be computed.
 
     Under the nuisances of the fit its strength is scaled, unless the effect as it stands explains more; under others it is taken so.
     """
-    setup, point = problem.campaign.setup, base.point
+    problem, point = view.problem, view.base.point
+    setup = problem.campaign.setup
     try:
         effect.check(setup)
         ahead = problem.at((*point.effects, effect), point.unknown if unknown is None else unknown, point.weights)
@@ -340,7 +337,7 @@ def _candidate(problem: Problem, base: Fit, freed: Freed, effect: Effect, unknow
     signature = problem.whiten(tuple(a - b for a, b in zip(ahead.predicted, point.predicted, strict=True)))
     if not signature @ signature > 0.0:
         return None
-    candidate = _scored(effect, signature, freed, setup, unknown)
+    candidate = _scored(effect, signature, view.freed, setup, unknown)
     if candidate.share <= 1e-6:
         return None
     # Where the response bends far, as where teeth separate, what it does as it stands tells more than its slope.

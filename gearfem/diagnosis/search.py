@@ -18,7 +18,7 @@ from gearfem.foundation.progress import Progress, quiet
 PARAMETER = 8.0
 # What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
 DETECTED = 40.0
-# Healthy pairs have gained up to a fiftieth of the rows by effects that imitate errors of our model: more is asked of a name.
+# Share of the rows that a name must gain too: healthy pairs gain up to a third of that by effects that imitate errors of our model.
 IMITATED = 0.01
 # A further name must gain this share of what the first ones did: less is the difference between their shapes and the real ones.
 FURTHER = 0.05
@@ -65,10 +65,7 @@ class Search:
         Scales that did the work of a missing effect stand far off, where derivatives mean little.
         """
         effects, own = start
-        neutral = base.point.unknown.copy()
-        names = [nuisance.name for nuisance in self.problem.nuisances]
-        neutral[[place for place, word in enumerate(names) if word != "angle_offset"]] = 0.0
-        starts = (base.point.unknown, neutral, *([] if own is None else [own]))
+        starts = (base.point.unknown, self.problem.unknowns.neutral(base.point.unknown), *([] if own is None else [own]))
         return min(starts, key=lambda unknown: self.problem.at(effects, unknown).objective)
 
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:

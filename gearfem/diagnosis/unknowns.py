@@ -81,6 +81,12 @@ class Unknowns(Record):
         unknown[self.late] = np.concatenate([settings.pinion_late, settings.wheel_late]) / self.scatter.index
         return unknown
 
+    def neutral(self, unknown: Array) -> Array:
+        """Return unknowns with scales as the model has them; the zero of the angle and all that is linear stay."""
+        found = unknown.copy()
+        found[[place for place, nuisance in enumerate(self.nuisances) if nuisance.name != "angle_offset"]] = 0.0
+        return found
+
     def constant(self, record: int, unknown: Array) -> float:
         """Return the constant of a record [SI]; 0 where it has none."""
         return FREE * float(unknown[self.outer + self.offsets.index(record)]) if record in self.offsets else 0.0

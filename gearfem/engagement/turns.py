@@ -17,7 +17,7 @@ from gearfem.engagement.turn_stack import Stack, make_stack
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.record import digest
 from gearfem.foundation.units import MM
-from gearfem.placement import runout_gap
+from gearfem.placement import evenly_spaced, runout_gap
 
 Ints = NDArray[np.int64]
 
@@ -114,9 +114,7 @@ class Turns(Record):
     @functools.cached_property
     def bare(self) -> Mesh:
         """The mesh without what no pair has for itself: index errors, runout, supports, and the play behind the back flanks."""
-        none1, none2 = (np.zeros(teeth) for teeth in self.teeth)
-        shared = {"pinion_runout": (0.0, 0.0), "wheel_runout": (0.0, 0.0), "support": 0.0, "normal_backlash": 0.0}
-        placement = dataclasses.replace(self.mesh.placement, pinion_late=none1, wheel_late=none2, **shared)  # type: ignore[arg-type]
+        placement = dataclasses.replace(evenly_spaced(self.mesh.placement), support=0.0, normal_backlash=0.0)
         return dataclasses.replace(self.mesh, placement=placement)
 
     @functools.cached_property

@@ -19,7 +19,7 @@ from gearfem.flank import Flanks, Outline, path_of_contact
 from gearfem.flank.lead import Lead
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.cache import remembered
-from gearfem.placement import Placement
+from gearfem.placement import Placement, evenly_spaced
 
 # Positions of a pair on its path at which curves are computed; between them cubic splines, 1e-4 of the further approach.
 POSITIONS = 7
@@ -237,13 +237,7 @@ def path_positions(flanks: Flanks, placement: Placement) -> Array:
 
 def sliced_pair(flanks: Flanks, placement: Placement, compliance: Compliance, slices: FaceSlices, position: Array) -> SlicedPair:
     """Return a pair of teeth like most in slices, at positions of its path, pinion angles from its pitch point [rad]."""
-    even = dataclasses.replace(
-        placement,
-        pinion_late=np.zeros_like(placement.pinion_late),
-        wheel_late=np.zeros_like(placement.wheel_late),
-        pinion_runout=(0.0, 0.0),
-        wheel_runout=(0.0, 0.0),
-    )
+    even = evenly_spaced(placement)
     contacts = find_contacts(dataclasses.replace(flanks, pinion_odd=(), wheel_odd=()), even, position, (0,))
     read = read_compliance(dataclasses.replace(compliance, pinion_odd=(), wheel_odd=()), contacts)
     width = placement.pair.face_width

@@ -16,6 +16,7 @@ from gearfem.flank import Deviation
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.foundation.units import MM
+from gearfem.placement import evenly_spaced
 from gearfem.wear.archard import FINEST, Archard, wear_rates
 from gearfem.wear.volume import removed_volume
 from gearfem.wear.worn import Worn
@@ -245,18 +246,11 @@ def _alike(mesh: Mesh) -> Mesh:
         raise InputError(
             "model", "flanks that are not parallel over the face width", "parallel ones: wear is not followed over the face width"
         )
-    even = dataclasses.replace(
-        placement,
-        pinion_late=np.zeros_like(placement.pinion_late),
-        wheel_late=np.zeros_like(placement.wheel_late),
-        pinion_runout=(0.0, 0.0),
-        wheel_runout=(0.0, 0.0),
-    )
     return dataclasses.replace(
         mesh,
         flanks=dataclasses.replace(flanks, pinion_odd=(), wheel_odd=()),
         compliance=dataclasses.replace(compliance, pinion_odd=(), wheel_odd=()),
-        placement=even,
+        placement=evenly_spaced(placement),
     )
 
 
