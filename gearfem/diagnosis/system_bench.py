@@ -24,6 +24,8 @@ from gearfem.sensing.requests import observe, requests
 
 # Part of the mean load below which the flanks of a motion count as apart.
 LEAST_LOAD = 0.02
+# Longest step of motions by 1/omega_n: an error far below what a motion is expected to be predicted to (see `march_turns`).
+STRIDE = 0.5
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,6 +76,7 @@ class SystemBench(Record):
             gear=record.gear or "pinion",
             tooth=record.tooth or 0,
             file=record.file,
+            stride=STRIDE,
         )
         value = observe(self._system(settings), request)
         if name == "mesh_stiffness":
@@ -109,7 +112,7 @@ class SystemBench(Record):
         system = self._system(settings)
         turns, drive, base = Turns(mesh=system.mesh), system.drive, self.pair.pinion.base_radius
         load = self._torque(torque, settings)
-        force = march_turns(turns, drive, angle, speed=speed, torque=load).mesh_force * base
+        force = march_turns(turns, drive, angle, speed=speed, torque=load, stride=STRIDE).mesh_force * base
         parted = force <= LEAST_LOAD * load
         held = static(turns, angle, np.where(parted, load, force))
         stiffness = 1.0 / (held.slope * base)

@@ -19,7 +19,7 @@ from gearfem.foundation import InputError
 from gearfem.placement import Placement
 
 MEMBERS: tuple[Member, ...] = get_args(Member)
-# Longest step by 1/omega_n and fewest steps to a pitch: see `march_turns` for what they cost in accuracy. Modes of shafts and supports
+# Longest step by 1/omega_n and with it the fewest steps to a pitch: see `march_turns` for their accuracy. Modes of shafts and supports
 # that are faster than the teeth's may turn on by so many times as much in a step: the formula stays stable up to 2.8.
 STRIDE, FEWEST, SHAFTS = 0.2, 128, 2.5
 # The start, the slow engagement, is forgotten to exp(-DECAY) = 1e-4 before the first angle; no run-in is longer than these pitches.
@@ -60,7 +60,7 @@ def make_plan(turns: Turns, drive: DriveTrain, speed: float, torque: float, stri
     natural, damper = mesh_mode(drive, stiffness, base1, base2)
     train = linear_train(drive, base1, base2)
     decay, fastest = train.rates(stiffness, damper, base1, base2)
-    steps = max(FEWEST, math.ceil(natural * length / stride), math.ceil(fastest * length / (SHAFTS * stride)))
+    steps = max(math.ceil(FEWEST * STRIDE / stride), math.ceil(natural * length / stride), math.ceil(fastest * length / (SHAFTS * stride)))
     return Plan(train, stiffness, damper, steps, *_run_in(decay * length))
 
 

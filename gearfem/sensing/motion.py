@@ -9,6 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from gearfem.dynamics.turns import march_turns
+from gearfem.dynamics.turns_plan import STRIDE
 from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement.turns import StaticTurns, Turns, static
 from gearfem.foundation import Array
@@ -58,7 +59,7 @@ def slope(system: System, angle: Array, stated_torque: float) -> Array:
     return static(Turns(mesh=system.mesh), held.pinion_angle, pressed).mesh_stiffness
 
 
-def at_speed(system: System, channel: Channel, angle: Array, stated_torque: float, speed: float) -> Array:
+def at_speed(system: System, channel: Channel, angle: Array, stated_torque: float, speed: float, stride: float = STRIDE) -> Array:
     """Return the reading of a motion at speed at the angles of a record.
 
     Parameters
@@ -71,6 +72,8 @@ def at_speed(system: System, channel: Channel, angle: Array, stated_torque: floa
         Pinion angles of the record [rad], which come from an encoder without delay.
     stated_torque, speed : float
         As the record states them [N m], [rad/s].
+    stride : float
+        Longest step of the motion by 1/omega_n.
 
     Returns
     -------
@@ -86,16 +89,13 @@ def at_speed(system: System, channel: Channel, angle: Array, stated_torque: floa
     torque = system.torque(stated_torque)
     turned = angle + system.setup.calibration.angle_offset - speed * instrument.delay
 
-    def motion(places: Array) -> Array:
-        values: Array = getattr(march_turns(turns, system.drive, places, speed=speed, torque=torque), channel)
-        return values
-
-    value = motion(turned)
+    pitch, grid = system.setup.pair.pinion.pitch_angle, np.zeros(0)
     if instrument.resonances:
-        pitch = system.setup.pair.pinion.pitch_angle
         before = min(math.ceil(speed * instrument.settling / pitch), MOST_PITCHES) + 1
         first, last = math.floor(turned.min() / pitch) - before, math.ceil(turned.max() / pitch) + 1
         grid = np.arange(first * RINGING_ANGLES, last * RINGING_ANGLES) / RINGING_ANGLES * pitch
-        added = instrument.ringing(motion(grid), pitch / RINGING_ANGLES / speed)
-        value = value + CubicSpline(grid, added)(turned)
-    return instrument.gain * value
+    motion = march_turns(turns, system.drive, np.concatenate([turned, grid]), speed=speed, torque=torque, stride=stride)
+    value, whole = np.split(getattr(motion, channel), [turned.size])
+    if instrument.resonances:
+        value = value + CubicSpline(grid, instrument.ringing(whole, pitch / RINGING_ANGLES / speed))(turned)
+    return np.asarray(instrument.gain * value)

@@ -16,6 +16,7 @@ import numpy as np
 
 from gearfem.definition.setup import Member
 from gearfem.dynamics.turns import KW_ANGLES
+from gearfem.dynamics.turns_plan import STRIDE
 from gearfem.foundation import Array, Record
 from gearfem.placement import runout_gap
 from gearfem.sensing.motion import at_speed, slope, slowly
@@ -39,6 +40,8 @@ class Request(Record, abc.ABC):
         Tooth of a flank.
     file : str
         Name of the record, under which a fitted constant is looked up.
+    stride : float
+        Longest step of motions, see `march_turns`.
     """
 
     quantity: ClassVar[str]
@@ -49,6 +52,7 @@ class Request(Record, abc.ABC):
     gear: Member = "pinion"
     tooth: int = 0
     file: str = ""
+    stride: float = STRIDE
 
     @abc.abstractmethod
     def of(self, system: System) -> Array:
@@ -73,7 +77,7 @@ class DynamicError(Request):
 
     def of(self, system: System) -> Array:
         """Return the wheel's lag along the line of action [m]."""
-        error = at_speed(system, "transmission_error", self.axis, self.pinion_torque, self.pinion_speed)
+        error = at_speed(system, "transmission_error", self.axis, self.pinion_torque, self.pinion_speed, self.stride)
         return error + system.setup.calibration.offset(self.file)
 
 
@@ -84,7 +88,7 @@ class Acceleration(Request):
 
     def of(self, system: System) -> Array:
         """Return psi1'' [rad/s2]."""
-        return at_speed(system, "pinion_acceleration", self.axis, self.pinion_torque, self.pinion_speed)
+        return at_speed(system, "pinion_acceleration", self.axis, self.pinion_torque, self.pinion_speed, self.stride)
 
 
 class DynamicFactor(Request):
@@ -99,7 +103,8 @@ class DynamicFactor(Request):
         share = system.drive.pinion_inertia / system.torque(self.pinion_torque)
 
         def largest(speed: float) -> float:
-            return float((1.0 - share * at_speed(system, "pinion_acceleration", angle, self.pinion_torque, speed)).max())
+            acceleration = at_speed(system, "pinion_acceleration", angle, self.pinion_torque, speed, self.stride)
+            return float((1.0 - share * acceleration).max())
 
         # The first one makes the tables, which threads would make twice.
         first = [largest(float(speed)) for speed in self.axis[:1]]
