@@ -96,13 +96,17 @@ def case(number: int) -> Figures:
 
 def statements(found: dict[int, Figures]) -> list[Statement]:
     """Return the paper's statements beside ours."""
-    zero, one, two = (found[number] for number in (0, 1, 2))
-    where = {name: [peak_place(figures.results, name) for figures in found.values()] for name in ("rigid", "elastic")}
-    single = {"rigid": two.single_rigid / zero.single_rigid, "elastic": two.single_elastic / zero.single_elastic}
+    figures = found[0], found[1], found[2]
+    return [*of_contact(*figures), *of_ratio(*figures), *of_dynamics(*figures)]
 
-    def said(figure: str, paper: str, ours: str, agrees: bool, reason: str) -> Statement:
-        return Statement(figure, paper, ours, "agrees" if agrees else "differs", reason)
 
+def said(figure: str, paper: str, ours: str, agrees: bool, reason: str) -> Statement:
+    """Return a statement with its verdict."""
+    return Statement(figure, paper, ours, "agrees" if agrees else "differs", reason)
+
+
+def of_contact(zero: Figures, one: Figures, two: Figures) -> list[Statement]:
+    """Return what is said of stiffness, line of action and two-pair zone."""
     bending, contact = zip(*(yields(figures.results, zero.results) for figures in (one, two)), strict=True)
     return [
         said(
@@ -128,6 +132,13 @@ def statements(found: dict[int, Figures]) -> list[Statement]:
             two.two_pairs < one.two_pairs < zero.two_pairs,
             "under load, teeth bent into early contact included; the pair that comes in or goes out has worn away from its mate",
         ),
+    ]
+
+
+def of_ratio(zero: Figures, one: Figures, two: Figures) -> list[Statement]:
+    """Return what is said of the gear ratio."""
+    means = max(abs(figures.ratio_mean) for figures in (zero, one, two))
+    return [
         said(
             "Fig. 8",
             "the ratio varies near the ends of the two-pair zones even for unworn teeth, by deformation",
@@ -145,10 +156,18 @@ def statements(found: dict[int, Figures]) -> list[Statement]:
         said(
             "Fig. 8",
             "the mean ratio is kept",
-            f"mean over the wheel's angle away from z2/z1 by {max(abs(f.ratio_mean) for f in found.values()):.0e} at most",
-            all(abs(f.ratio_mean) < 1e-6 for f in found.values()),
+            f"mean over the wheel's angle away from z2/z1 by {means:.0e} at most",
+            means < 1e-6,
             "an identity of the periodic transmission error",
         ),
+    ]
+
+
+def of_dynamics(zero: Figures, one: Figures, two: Figures) -> list[Statement]:
+    """Return what is said of the dynamic factor."""
+    where = {name: [peak_place(figures.results, name) for figures in (zero, one, two)] for name in ("rigid", "elastic")}
+    single = {"rigid": two.single_rigid / zero.single_rigid, "elastic": two.single_elastic / zero.single_elastic}
+    return [
         said(
             "Fig. 11",
             "already unworn teeth load themselves dynamically by the change of the ratio",
