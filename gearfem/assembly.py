@@ -67,7 +67,7 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
     flanks = _flanks(bare, of("flank"))
     compliance = _compliance(flanks, bare, of("compliance"))
     placement = _late(make_placement(setup), fitted)
-    placement = dataclasses.replace(placement, support=placement.support + fitted.series_compliance)
+    placement = dataclasses.replace(placement, series=fitted.series_compliance)
     placement = _act(placement, of("placement"), bare)
     # A stiffness scale is one of Young's moduli: every compliance, the contact's too, depends on force over modulus alone.
     materials = (gear.material for gear in (setup.pair.pinion, setup.pair.wheel))

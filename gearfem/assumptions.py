@@ -8,6 +8,7 @@ from gearfem.assembly import effects_in
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Setup
 from gearfem.dynamics.record import DriveTrain
+from gearfem.dynamics.supports import RATIO, STIFF
 from gearfem.dynamics.uneven import repeats
 from gearfem.effects.catalogue import in_history
 from gearfem.engagement.turns import Turns
@@ -59,10 +60,15 @@ def of_system(system: System) -> tuple[str, ...]:
 
 def _supports(system: System) -> str:
     """Return how shafts and bearings yield."""
-    everywhere, moving = system.placement.support > system.setup.calibration.series_compliance, not system.drive.two_inertias
-    if everywhere:
+    placement, drive, moving = system.placement, system.drive, not system.drive.two_inertias
+    if placement.pinion_support or placement.wheel_support:
         also = "; those of [drive] yield in the elastic dynamics besides" if moving else ""
-        return f"the supports of the effect yield without mass wherever there is load{also}."
+        masses = f"solid discs of {drive.pinion_mass:.4g} and {drive.wheel_mass:.4g} kg between bore and reference circle"
+        return (
+            f"the supports of the effect yield wherever there is load, at speed with the masses of the gears on them, {masses}, damped "
+            f"by {RATIO:g} of critical; without mass in the classical model, and under a gear that swings on its support by more than "
+            f"{STIFF:g} times the frequency of the mesh{also}."
+        )
     return "shafts and bearings yield in the elastic dynamics alone, where given." if moving else "shafts and bearings are rigid."
 
 

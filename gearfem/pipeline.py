@@ -29,6 +29,7 @@ from gearfem.definition.setup import Member, Setup
 from gearfem.dynamics import classical_motion, elastic_motion, rigid_motion, unloaded_transport, wheel_torque_sentence
 from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import ElasticMotion, RigidMotion
+from gearfem.dynamics.turns_plan import moving
 from gearfem.dynamics.uneven import uneven_classical, uneven_motion, uneven_rigid
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import Mesh, engage, mesh_force, standard_angles
@@ -261,6 +262,8 @@ def _with_even_dynamics(results: Results, discs: tuple[float, float], progress: 
     assert results.system is not None
     drive, pair = results.system.drive, results.setup.pair
     forces = mesh_force(results.mesh, drive.pinion_torque)
+    mesh, held = moving(results.mesh, drive)
+    own = forces if mesh is results.mesh else mesh_force(mesh, drive.pinion_torque)
     pitch = pair.pinion.pitch_angle
     positions = np.arange(RIGID_STEPS) / RIGID_STEPS * pitch
     ratio = _closed(engage(results.mesh, positions, drive.pinion_torque).gear_ratio_force, pair.ratio)
@@ -271,7 +274,7 @@ def _with_even_dynamics(results: Results, discs: tuple[float, float], progress: 
         results,
         mesh_force=forces,
         rigid=rigid,
-        elastic=elastic_motion(forces, drive, unloaded_transport(forces, drive), progress=progress),
+        elastic=elastic_motion(own, held, unloaded_transport(own, held), progress=progress),
         classical=classical_motion(forces, drive, *discs, progress=progress),
         assumptions=(
             *results.assumptions,

@@ -32,8 +32,10 @@ class Placement(Record):
         direction in which teeth are counted (against the sense of rotation).
     normal_backlash : float
         Play between working and idle flanks along the line of action [m].
-    support : float
-        Yield of both supports along the line of action per force [m/N], common to all pairs.
+    series : float
+        Yield along the line of action per force [m/N] that is common to all pairs and moves no mass.
+    pinion_support, wheel_support : float
+        Yield of the support under each gear [m/N], on which its mass moves at speed.
     """
 
     pair: GearPair
@@ -46,7 +48,19 @@ class Placement(Record):
     normal_backlash: float
     pinion_runout: tuple[float, float] = (0.0, 0.0)
     wheel_runout: tuple[float, float] = (0.0, 0.0)
-    support: float = 0.0
+    series: float = 0.0
+    pinion_support: float = 0.0
+    wheel_support: float = 0.0
+
+    @property
+    def support(self) -> float:
+        """What all pairs yield together under a steady force along the line of action [m/N]."""
+        return self.series + self.pinion_support + self.wheel_support
+
+
+def rigidly_held(placement: Placement) -> Placement:
+    """Return the same gears on supports that do not yield."""
+    return dataclasses.replace(placement, series=0.0, pinion_support=0.0, wheel_support=0.0)
 
 
 def evenly_spaced(placement: Placement) -> Placement:

@@ -20,6 +20,7 @@ from gearfem.definition.setup import Setup
 from gearfem.dynamics.record import DriveTrain
 from gearfem.dynamics.sweep import Found, sweep
 from gearfem.dynamics.sweep_record import Direction, Failure, Sweep, SweepPoint
+from gearfem.dynamics.turns_plan import moving
 from gearfem.engagement.engage import mesh_force
 from gearfem.engagement.record import MeshForce
 from gearfem.engagement.turns import Turns
@@ -226,11 +227,14 @@ def run_sweep(setup: Setup, out: Path, speeds: Array, both_ways: bool, workers: 
 
 
 def _excitation(setup: Setup, progress: Progress) -> tuple[MeshForce | Turns, DriveTrain]:
-    """Return what the teeth do, over one pitch if all are alike and no torque ripples, and the drive with all effects."""
+    """Return what the teeth do, and the drive with all effects: over one pitch if all are alike, no torque ripples and no effect gives
+    the gears supports on which their masses show."""
     system = run_chain(setup, "compliance", progress=progress).system
     assert system is not None
-    if even(system) and not system.drive.ripples:
-        return mesh_force(system.mesh, system.drive.pinion_torque), system.drive
+    mesh, drive = moving(system.mesh, system.drive)
+    before = system.drive.pinion_support, system.drive.wheel_support
+    if even(system) and not drive.ripples and (drive.pinion_support, drive.wheel_support) == before:
+        return mesh_force(mesh, drive.pinion_torque), drive
     return Turns(mesh=system.mesh), system.drive
 
 

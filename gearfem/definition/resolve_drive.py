@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from gearfem.definition.drive_parts import ShaftedInertia, Support
 from gearfem.definition.schema import Model
 from gearfem.definition.setup import Gear, Member
@@ -76,7 +74,7 @@ def resolve_support(model: Model, member: Member, gear: Gear, face_width: float,
         return None
     mass: float | None = getattr(table, mass_key)
     if mass is None:
-        mass = gear.material.density * math.pi * (gear.reference_radius**2 - gear.bore_radius**2) * face_width
+        mass = gear.disc_mass(face_width)
         notes.append(f"Mass on the support of the {member} not given: a solid disc between bore and reference circle, {mass:.4g} kg.")
     if not table.given(damping_key):
         notes.append(f"Damping of the support of the {member} not given: none.")

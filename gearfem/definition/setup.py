@@ -140,6 +140,10 @@ class Gear(Record):
         """Return the half angle of the tooth [rad] at a radius [m] not below the base radius."""
         return self.base_half_angle - involute(math.acos(self.base_radius / radius))
 
+    def disc_mass(self, face_width: float) -> float:
+        """Return the mass [kg] of a solid disc between bore and reference circle."""
+        return math.pi * self.material.density * face_width * (self.reference_radius**2 - self.bore_radius**2)
+
     def disc_inertia(self, face_width: float) -> float:
         """Return the moment of inertia [kg m2] of a solid disc between bore and reference circle."""
         ring = self.reference_radius**4 - self.bore_radius**4

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.campaign import Measurement
+from gearfem.dynamics.linear_train import LinearTrain
 from gearfem.foundation import Array, Record
 
 
@@ -74,12 +75,16 @@ class Oscillator(Record):
         Natural angular frequency [rad/s].
     ratio : float
         Damping ratio.
+    fastest, slowest : float
+        Largest natural frequency [rad/s] and least decay [1/s] of all that moves, supports and shafts included.
     acceleration : float
         Angular acceleration of the pinion per second derivative of the transmission error [rad/m].
     """
 
     frequency: float
     ratio: float
+    fastest: float
+    slowest: float
     acceleration: float
 
 
@@ -95,17 +100,18 @@ class Swing(Record):
         Slope of the force of the mesh over its deflection [N/m].
     damping : float
         Of the mesh [N s/m].
-    mass : float
-        Reduced mass of the gears on the line of action [kg].
-    acceleration : float
-        Angular acceleration of the pinion per second derivative of the transmission error [rad/m].
+    train : LinearTrain
+        What moves, without the teeth.
+    base1, base2 : float
+        Base radii [m].
     """
 
     weights: Weights
     stiffness: Array
     damping: float
-    mass: float
-    acceleration: float
+    train: LinearTrain
+    base1: float
+    base2: float
 
 
 class Bench(Protocol):

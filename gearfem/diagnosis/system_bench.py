@@ -15,6 +15,7 @@ from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.variants import VARIANTS, Variant
 from gearfem.dynamics.turns import march_turns
+from gearfem.dynamics.turns_plan import make_plan
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import standard_angles
 from gearfem.engagement.turns import Turns, static
@@ -94,12 +95,18 @@ class SystemBench(Record):
         """Return the oscillator of the mesh at a stated torque [N m]."""
         system, drive = self.system, self.system.drive
         angle = standard_angles(system.placement)[:-1]
-        stiffness = static(Turns(mesh=system.mesh), angle, self._torque(torque, settings)).mesh_stiffness.mean()
+        load = self._torque(torque, settings)
+        stiffness = static(Turns(mesh=system.mesh), angle, load).mesh_stiffness.mean()
+        moving = self._system(settings)
+        plan = make_plan(Turns(mesh=moving.mesh), moving.drive, self.system.drive.pinion_speed, load)
+        slowest, fastest = plan.rates()
         masses = (drive.pinion_inertia / self.pair.pinion.base_radius**2, drive.wheel_inertia / self.pair.wheel.base_radius**2)
         reduced = masses[0] * masses[1] / (masses[0] + masses[1]) * settings.inertia_scale
         return Oscillator(
             frequency=math.sqrt(settings.stiffness_scale * float(stiffness) / reduced),
             ratio=drive.damping_ratio * settings.damping_scale,
+            fastest=fastest,
+            slowest=slowest,
             acceleration=masses[1] / (masses[0] + masses[1]) / self.pair.pinion.base_radius,
         )
 
@@ -115,16 +122,16 @@ class SystemBench(Record):
         force = march_turns(turns, drive, angle, speed=speed, torque=load, stride=STRIDE).mesh_force * base
         parted = force <= LEAST_LOAD * load
         held = static(turns, angle, np.where(parted, load, force))
-        stiffness = 1.0 / (held.slope * base)
-        mean = float(stiffness[~parted].mean())
-        masses = (drive.pinion_inertia / base**2, drive.wheel_inertia / self.pair.wheel.base_radius**2)
-        mass = masses[0] * masses[1] / (masses[0] + masses[1])
+        plan = make_plan(turns, drive, speed, load)
+        # Supports on which the gears move with their masses are the train's.
+        stiffness = 1.0 / (held.slope * base - (system.placement.support - plan.placement.support))
         return Swing(
             weights=Weights(pairs=held.pairs, pinion=held.pinion_weight, wheel=held.wheel_weight),
-            stiffness=np.full(len(angle), mean) if parted.any() else stiffness,
-            damping=2.0 * drive.damping_ratio * math.sqrt(mass * mean),
-            mass=mass,
-            acceleration=masses[1] / (masses[0] + masses[1]) / base,
+            stiffness=np.full(len(angle), stiffness[~parted].mean()) if parted.any() else stiffness,
+            damping=plan.damper,
+            train=plan.train,
+            base1=base,
+            base2=self.pair.wheel.base_radius,
         )
 
     def read(self, motion: Array, step: float) -> Array:
@@ -151,16 +158,15 @@ class SystemBench(Record):
                 placement,
                 pinion_late=placement.pinion_late + settings.pinion_late,
                 wheel_late=placement.wheel_late + settings.wheel_late,
-                support=(placement.support + settings.series_compliance) * settings.stiffness_scale,
+                series=(placement.series + settings.series_compliance) * settings.stiffness_scale,
+                pinion_support=placement.pinion_support * settings.stiffness_scale,
+                wheel_support=placement.wheel_support * settings.stiffness_scale,
             ),
             drive=dataclasses.replace(
-                drive,
+                drive.over(settings.stiffness_scale),
                 pinion_inertia=drive.pinion_inertia * inertia,
                 wheel_inertia=drive.wheel_inertia * inertia,
                 damping_ratio=drive.damping_ratio * settings.damping_scale,
-                ripples=tuple(
-                    dataclasses.replace(ripple, amplitude=ripple.amplitude / settings.stiffness_scale) for ripple in drive.ripples
-                ),
             ),
         )
 

@@ -123,8 +123,8 @@ def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int)
     oscillator = bench.oscillator(record.pinion_torque, settings)
     speed = record.pinion_speed
     axis = record.axis - speed * bench.delay
-    step = min(float(np.median(np.diff(axis))), STEP * speed / oscillator.frequency)
-    ring = RING_DOWN * speed / (max(oscillator.ratio, 1e-3) * oscillator.frequency)
+    step = min(float(np.median(np.diff(axis))), STEP * speed / oscillator.fastest)
+    ring = RING_DOWN * speed / max(oscillator.slowest, 1e-3 * oscillator.frequency)
     start = axis[0] - min(ring, LONGEST_LEAD * 2.0 * math.pi)
     grid = np.arange(start, axis[-1] + 2.0 * step, step)
     angle = grid + settings.angle_offset
@@ -159,17 +159,27 @@ def respond(errors: Array, rates: Array, swing: Swing, step: float, acceleration
 
     Notes
     -----
-    m x'' + d (x' - u') + k(t) (x - u) = 0, linear about the motion, by Newmark's mean acceleration, whose waves are (omega step)^2/12
-    of their length too long.
+    y'' = A y + B y' + b P of the coordinates of the train, with P = k(t) (t y - u) + d (t y' - u') and its touch t, linear about the
+    motion: two inertias have m x'' + d (x' - u') + k(t) (x - u) = 0. By Newmark's mean acceleration, whose waves are
+    (omega step)^2/12 of their length too long.
     """
-    place, rate, pull = errors[0].copy(), np.zeros(errors.shape[1]), np.zeros(errors.shape[1])
+    train, count, damp = swing.train, swing.train.touch.size, swing.damping
+    by_force = train.by_load @ np.array([0.0, swing.base1, 0.0, swing.base2, 1.0])
+    pushed = np.outer(by_force[:count], train.touch)
+    springs = train.by_place[:count] + swing.stiffness[:, None, None] * pushed
+    dampers = train.by_rate[:count] + damp * pushed
+    solved = np.linalg.inv(np.eye(count) - 0.25 * step**2 * springs - 0.5 * step * dampers)
+    load = -(swing.stiffness[:, None] * errors + damp * rates)
+    place, rate, pull = (np.zeros((count, errors.shape[1])) for _ in range(3))
+    place[0] = errors[0]
     out = np.empty_like(errors)
-    damp = swing.damping
-    for number, stiff in enumerate(swing.stiffness):
+    for number, spring in enumerate(springs):
         if number:
             ahead, faster = place + step * rate + 0.25 * step**2 * pull, rate + 0.5 * step * pull
-            force = stiff * (errors[number] - ahead) + damp * (rates[number] - faster)
-            pull = force / (swing.mass + 0.5 * step * damp + 0.25 * step**2 * stiff)
+            pull = solved[number] @ (spring @ ahead + dampers @ faster + by_force[:count, None] * load[number])
             place, rate = ahead + 0.25 * step**2 * pull, faster + 0.5 * step * pull
-        out[number] = pull if acceleration else place
-    return swing.acceleration * out if acceleration else out
+        out[number] = place[0]
+        if acceleration:
+            force = swing.stiffness[number] * (train.touch @ place) + damp * (train.touch @ rate) + load[number]
+            out[number] = train.by_place[count] @ place + train.by_rate[count] @ rate + by_force[count] * force
+    return out

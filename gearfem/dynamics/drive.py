@@ -32,6 +32,8 @@ def make_drive(setup: Setup) -> DriveTrain:
         wheel_chain=operation.wheel_chain,
         pinion_support=operation.pinion_support,
         wheel_support=operation.wheel_support,
+        pinion_mass=setup.pair.pinion.disc_mass(setup.pair.face_width),
+        wheel_mass=setup.pair.wheel.disc_mass(setup.pair.face_width),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from gearfem.definition.drive_parts import ShaftedInertia, Support
 from gearfem.definition.setup import Member
 from gearfem.foundation import Array, InputError, Record
+
+Part = TypeVar("Part", bound=Record)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -53,6 +55,8 @@ class DriveTrain(Record):
         wheel's side turn as the wheel does.
     pinion_support, wheel_support : Support, optional
         Yielding supports along the line of action; None is rigid.
+    pinion_mass, wheel_mass : float
+        Masses of the gears, which move where a placement gives them supports [kg]; 0 leaves those without mass.
     ripples : tuple of Ripple
         Torques that vary with the turns of a shaft, added to the two steady ones.
     """
@@ -69,6 +73,8 @@ class DriveTrain(Record):
     wheel_chain: tuple[ShaftedInertia, ...] = ()
     pinion_support: Support | None = None
     wheel_support: Support | None = None
+    pinion_mass: float = 0.0
+    wheel_mass: float = 0.0
     ripples: tuple[Ripple, ...] = ()
 
     def __post_init__(self) -> None:
@@ -76,7 +82,7 @@ class DriveTrain(Record):
         for name in ("pinion_inertia", "wheel_inertia", "pinion_torque", "wheel_torque", "pinion_speed"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise InputError(name, getattr(self, name), "a positive number")
-        for name in ("friction_coefficient", "damping_ratio"):
+        for name in ("friction_coefficient", "damping_ratio", "pinion_mass", "wheel_mass"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise InputError(name, getattr(self, name), "zero or a positive number")
         if not 0.0 < self.efficiency <= 1.0:
@@ -86,6 +92,28 @@ class DriveTrain(Record):
     def two_inertias(self) -> bool:
         """Whether nothing is joined to the two gears."""
         return not (self.pinion_chain or self.wheel_chain or self.pinion_support or self.wheel_support)
+
+    def over(self, divisor: float) -> DriveTrain:
+        """Return the train with every force divided: inertias, masses, torques, springs and dampers; it moves as before."""
+
+        def less(part: Part, *fields: str) -> Part:
+            return dataclasses.replace(part, **{field: getattr(part, field) / divisor for field in fields})
+
+        def held(support: Support | None) -> Support | None:
+            return support and less(dataclasses.replace(support, compliance=support.compliance * divisor), "mass", "damping")
+
+        def chain(parts: tuple[ShaftedInertia, ...]) -> tuple[ShaftedInertia, ...]:
+            return tuple(less(part, "inertia", "stiffness", "damping") for part in parts)
+
+        own = less(self, "pinion_inertia", "wheel_inertia", "pinion_torque", "wheel_torque", "pinion_mass", "wheel_mass")
+        return dataclasses.replace(
+            own,
+            pinion_chain=chain(self.pinion_chain),
+            wheel_chain=chain(self.wheel_chain),
+            pinion_support=held(self.pinion_support),
+            wheel_support=held(self.wheel_support),
+            ripples=tuple(less(ripple, "amplitude") for ripple in self.ripples),
+        )
 
     @property
     def pinion_side_inertia(self) -> float:

@@ -138,7 +138,9 @@ def march_turns(
     rows, count = rows_of(turns, begin, samples[-1])
     outputs, means = np.empty((4, angle.size)), np.zeros(3)
     if start is None:
-        start = plan.train.start(torque, pair.ratio, pair.pinion.base_radius, *_slow_start(turns, drive, torque, begin, speed))
+        lag, rate = _slow_start(turns, drive, torque, begin, speed)
+        moved = (turns.mesh.placement.support - plan.placement.support) * torque / pair.pinion.base_radius
+        start = plan.train.start(torque, pair.ratio, pair.pinion.base_radius, lag - moved, rate)
     state = np.array(start)
     wheel_torque = kernels().march(
         begin,
@@ -149,9 +151,9 @@ def march_turns(
         torque,
         torque * pair.ratio,
         count,
-        teeth_of(turns.mesh.placement, drive, plan, speed),
+        teeth_of(plan, speed),
         rows,
-        train_of(drive, plan.train, pair.ratio),
+        train_of(plan),
         *outputs,
         means,
     )

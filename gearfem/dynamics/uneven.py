@@ -103,10 +103,11 @@ def uneven_motion(turns: Turns, drive: DriveTrain) -> ElasticMotion:
 def uneven_classical(turns: Turns, drive: DriveTrain, pinion_inertia: float, wheel_inertia: float) -> ElasticMotion:
     """Return the motion of the classical model, the inertias of the two gears [kg m2] alone, over the whole period.
 
-    What differs from tooth to tooth acts as a displacement of the teeth, as worn flanks do in `classical_motion`.
+    What differs from tooth to tooth acts as a displacement of the teeth, as worn flanks do in `classical_motion`; supports of the
+    placement yield without mass.
     """
     gears = dataclasses.replace(drive, pinion_inertia=pinion_inertia, wheel_inertia=wheel_inertia, pinion_chain=(), wheel_chain=())
-    return uneven_motion(turns, dataclasses.replace(gears, pinion_support=None, wheel_support=None))
+    return uneven_motion(turns, dataclasses.replace(gears, pinion_support=None, wheel_support=None, pinion_mass=0.0, wheel_mass=0.0))
 
 
 def uneven_rigid(turns: Turns, drive: DriveTrain) -> RigidMotion:

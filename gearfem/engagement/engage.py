@@ -20,7 +20,7 @@ from gearfem.engagement.width import FaceSlices, LeadTable, lead_table
 from gearfem.flank import Flanks
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import MM
-from gearfem.placement import Placement, runout_gap
+from gearfem.placement import Placement, rigidly_held, runout_gap
 
 # A ten-thousandth of a pitch: the rounding of a difference over it stays below 1e-7 of the ratio.
 DIFFERENCE = 1e-4
@@ -225,7 +225,7 @@ def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> t
 
 def _single_stiffness(mesh: Mesh, contacts: Contacts, torque: float) -> Array:
     """Return the secant stiffness of each pair alone under the whole load where its flanks touch, 0 elsewhere."""
-    system = dataclasses.replace(mesh, placement=dataclasses.replace(mesh.placement, support=0.0)).system(contacts)
+    system = dataclasses.replace(mesh, placement=rigidly_held(mesh.placement)).system(contacts)
     force = torque / system.arm
     own = np.einsum("ajj->aj", system.linear) * force
     approach = own + system.local(mesh.law).approach(force)

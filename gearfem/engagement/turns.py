@@ -17,7 +17,7 @@ from gearfem.engagement.turn_stack import Stack, make_stack
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.record import digest
 from gearfem.foundation.units import MM
-from gearfem.placement import evenly_spaced, runout_gap
+from gearfem.placement import evenly_spaced, rigidly_held, runout_gap
 
 Ints = NDArray[np.int64]
 
@@ -114,7 +114,7 @@ class Turns(Record):
     @functools.cached_property
     def bare(self) -> Mesh:
         """The mesh without what no pair has for itself: index errors, runout, supports, and the play behind the back flanks."""
-        placement = dataclasses.replace(evenly_spaced(self.mesh.placement), support=0.0, normal_backlash=0.0)
+        placement = dataclasses.replace(rigidly_held(evenly_spaced(self.mesh.placement)), normal_backlash=0.0)
         return dataclasses.replace(self.mesh, placement=placement)
 
     @functools.cached_property

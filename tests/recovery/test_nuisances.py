@@ -20,6 +20,8 @@ from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, respond, tooth_columns
 from gearfem.diagnosis.zones import ZONES, in_zones, leading_teeth
+from gearfem.dynamics import DriveTrain
+from gearfem.dynamics.linear_train import linear_train
 from gearfem.foundation import Array, InputError
 from gearfem.foundation.units import RPM
 from gearfem.model import make_setup
@@ -36,6 +38,23 @@ PAIR = SETUP.pair
 PITCH = PAIR.pinion.pitch_angle
 STD = 5e-8
 SCATTER = Scatter(terms=2)
+
+
+# 4 kg on both base circles, 2 kg on the line of action: psi1'' = 10 e''.
+TWO_INERTIAS = linear_train(
+    DriveTrain(
+        pinion_inertia=4.0 * 0.05**2,
+        wheel_inertia=4.0 * 0.1**2,
+        pinion_torque=100.0,
+        wheel_torque=200.0,
+        efficiency=1.0,
+        pinion_speed=100.0,
+        friction_coefficient=0.0,
+        damping_ratio=0.08,
+    ),
+    0.05,
+    0.1,
+)
 
 
 class Springs(SystemBench):
@@ -70,11 +89,13 @@ class Springs(SystemBench):
         return self.shared(angle, torque, settings)[1]
 
     def oscillator(self, torque: float, settings: Settings) -> Oscillator:
-        return Oscillator(frequency=5e3, ratio=0.08, acceleration=10.0)
+        return Oscillator(frequency=5e3, ratio=0.08, fastest=5e3, slowest=400.0, acceleration=10.0)
 
     def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
         steady = np.full(len(angle), 2.0 * 5e3**2)
-        return Swing(weights=self.weights(angle, torque, settings), stiffness=steady, damping=2.0 * 800.0, mass=2.0, acceleration=10.0)
+        return Swing(
+            weights=self.weights(angle, torque, settings), stiffness=steady, damping=2.0 * 800.0, train=TWO_INERTIAS, base1=0.05, base2=0.1
+        )
 
 
 # Without errors of the model: what these springs measure they also predict.
