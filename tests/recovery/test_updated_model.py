@@ -14,7 +14,7 @@ from gearfem.assembly import assemble
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.quantities import QUANTITIES
-from gearfem.diagnosis.system_bench import SystemBench
+from gearfem.diagnosis.system_bench import STRIDE, SystemBench
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.catalogue import catalogue, read_effects
 from gearfem.foundation import Array
@@ -97,7 +97,12 @@ def test_the_file_reads_what_the_bench_predicts(written: tuple[Path, SystemBench
     path, bench = written
     system = assemble(load_model(path))
     request = requests()[record.quantity.name](
-        axis=record.axis, pinion_torque=record.pinion_torque, pinion_speed=record.pinion_speed, gear=record.gear or "pinion", file="a.csv"
+        axis=record.axis,
+        pinion_torque=record.pinion_torque,
+        pinion_speed=record.pinion_speed,
+        gear=record.gear or "pinion",
+        file="a.csv",
+        stride=STRIDE,
     )
     predicted = bench.predict(record, settings())
     if record.quantity.free_constant:

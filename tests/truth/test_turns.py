@@ -213,11 +213,11 @@ def test_runout_comes_once_a_turn(mesh, torque) -> None:
 
 def test_supports_yield_in_series(mesh, torque) -> None:
     angle = np.linspace(0.0, 1.0, 9) * pitch_of(mesh)
-    stiff, soft = static(Turns(mesh=mesh), angle, torque), static(placed(mesh, support=2e-9), angle, torque)
+    stiff, soft = static(Turns(mesh=mesh), angle, torque), static(placed(mesh, series=2e-9), angle, torque)
     added = soft.transmission_error - stiff.transmission_error
     # Corner contacts, a small part of the load, are turned out of the line of action.
     assert added == pytest.approx(2e-9 * torque / mesh.placement.pair.pinion.base_radius, rel=5e-3, abs=0.0)
-    assert np.abs(deviating(placed(mesh, support=2e-9), angle, torque)).max() < 1e-5
+    assert np.abs(deviating(placed(mesh, series=2e-9), angle, torque)).max() < 1e-5
 
 
 def test_friction_steps_at_the_pitch_point(mesh, torque) -> None:

@@ -75,7 +75,7 @@ def test_low_speed_is_the_slow_engagement(mesh, drive) -> None:
     No friction: its step at the pitch point rings for some natural periods at any speed.
     """
     late = np.random.default_rng(1).normal(0.0, 1e-6, 30)
-    turns = placed(mesh, wheel_late=late, pinion_runout=(6e-6, -4e-6), wheel_runout=(5e-6, 7e-6), support=1e-9)
+    turns = placed(mesh, wheel_late=late, pinion_runout=(6e-6, -4e-6), wheel_runout=(5e-6, 7e-6), series=1e-9)
     angle = 0.2 + np.linspace(0.0, 2.0, 61) * mesh.placement.pair.pinion.pitch_angle
     slow = static(turns, angle, TORQUE).transmission_error
     misses = [np.abs(march_turns(turns, drive, angle, speed=speed).transmission_error - slow).max() / 1e-5 for speed in (40.0, 10.0, 2.5)]
