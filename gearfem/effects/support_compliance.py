@@ -28,7 +28,7 @@ class SupportCompliance(Effect):
     sentence = "Supports yield by {pinion_um_per_kN} um/kN under the pinion and {wheel_um_per_kN} um/kN under the wheel"
     source = "Each gear a mass between two springs, its support and the teeth"
 
-    pinion: float = parameter("yield under the pinion", "um_per_kN", low=0.0, high=1e-6, typical=5e-9, neutral=0.0)
+    pinion: float = parameter("yield under the pinion", "um_per_kN", low=0.0, high=1e-6, typical=2e-9, neutral=0.0)
     wheel: float = parameter("yield under the wheel", "um_per_kN", low=0.0, high=1e-6, typical=2e-9, neutral=0.0)
 
     def act(self, placement: Placement, setup: Setup) -> Placement:
