@@ -137,5 +137,8 @@ class Bench(Protocol):
     def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
         """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s]."""
 
+    def peak(self, torque: float, speed: float, settings: Settings) -> tuple[float, float]:
+        """Return the recorded angle [rad] of the largest Kw of a turn, and what Kw gains there by an acceleration [s2/rad]."""
+
     def read(self, motion: Array, step: float) -> Array:
         """Return what the instrument's resonances make of motions at equal steps of time [s], shape (n, k)."""

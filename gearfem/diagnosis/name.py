@@ -21,6 +21,8 @@ from gearfem.foundation.progress import Progress, quiet
 FITTED, PAIRED = 8, 4
 # Cosine beyond which two responses count as one in the search.
 ALIKE = 0.999
+# Share of what counts as detected that an explanation must gain, or nothing is looked for beside it.
+HOPELESS = 0.5
 # Explanations that are fitted again, with derivatives taken where they stand, before the search goes on; further ones after that.
 SETTLED, FURTHER_SETTLED = 4, 2
 
@@ -59,8 +61,9 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
     for count in range(1, MOST):
-        best = search.best()
-        if len(best.effects) != count:
+        # The best so many, though a pair may have been found already: each is a place to go on from.
+        best = search.best(count)
+        if len(best.effects) != count or search.alone.objective - best.objective < HOPELESS * search.detected:
             break
         problem.prepare(best.effects, best.point.unknown)
         again = [c for c in rank_again(problem, best, first, progress) if c.gain > DETECTED]

@@ -14,13 +14,14 @@ from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.variants import VARIANTS, Variant
-from gearfem.dynamics.turns import march_turns
+from gearfem.dynamics.turns import KW_ANGLES, march_turns
 from gearfem.dynamics.turns_plan import make_plan
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import standard_angles
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array, Record
 from gearfem.sensing import System
+from gearfem.sensing.motion import at_speed
 from gearfem.sensing.requests import observe, requests
 
 # Part of the mean load below which the flanks of a motion count as apart.
@@ -133,6 +134,14 @@ class SystemBench(Record):
             base1=base,
             base2=self.pair.wheel.base_radius,
         )
+
+    def peak(self, torque: float, speed: float, settings: Settings) -> tuple[float, float]:
+        """Return the recorded angle [rad] of the largest Kw of a turn, and what Kw gains there by an acceleration [s2/rad]."""
+        system, load = self._system(settings), torque * settings.torque_scale / settings.stiffness_scale
+        count = self.pair.pinion.teeth * KW_ANGLES
+        angle = np.arange(count) / count * math.tau
+        acceleration = at_speed(system, "pinion_acceleration", angle, load, speed, STRIDE)
+        return float(angle[np.argmin(acceleration)]), -system.drive.pinion_inertia / system.torque(load)
 
     def read(self, motion: Array, step: float) -> Array:
         """Return what the instrument's resonances make of motions at equal steps of time [s], shape (n, k)."""

@@ -11,6 +11,7 @@ from numpy.polynomial import legendre
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Bench, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.foundation import Array, Record
 from gearfem.foundation.units import UM
 
@@ -49,7 +50,7 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     Parameters
     ----------
     record : Measurement
-        Any record; stiffness and Kw do not feel scatter to first order, and radial runout not at all.
+        Any record; stiffness does not feel scatter to first order, and radial runout not at all.
     bench : Bench
         The model.
     settings : Settings
@@ -65,7 +66,8 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     Notes
     -----
     Slow transmission error: the weight of each pair times the polynomial where it touches. At speed the motion is linearised about
-    itself, with the weights and the stiffness that its forces give the teeth, see `respond`.
+    itself, with the weights and the stiffness that its forces give the teeth, see `respond`. The largest Kw of a turn changes as the
+    acceleration where it is largest.
     """
     name, pair = record.quantity.name, bench.pair
     if name == "static_transmission_error":
@@ -73,6 +75,8 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
         return settings.gain * _slow(bench.weights(angle, record.pinion_torque, settings), angle, pair, scatter.terms)
     if name in ("dynamic_transmission_error", "pinion_angular_acceleration"):
         return settings.gain * _at_speed(record, bench, settings, scatter.terms)
+    if name == "dynamic_factor":
+        return settings.gain * _at_peaks(record, bench, settings, scatter.terms)
     out = np.zeros((len(record.axis), pair.pinion.teeth + pair.wheel.teeth, scatter.terms + 1))
     first = pair.pinion.teeth if record.gear == "wheel" else 0
     if name == "flank_profile":
@@ -119,11 +123,30 @@ def _slow(weights: Weights, angle: Array, pair: GearPair, terms: int, derivative
     return out.reshape(count, -1)
 
 
+def _at_peaks(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:
+    rows = []
+    for speed in record.axis.tolist():
+        angle, share = bench.peak(record.pinion_torque, speed, settings)
+        there = dataclasses.replace(
+            record,
+            quantity=QUANTITIES["pinion_angular_acceleration"],
+            pinion_speed=speed,
+            axis=np.array([angle]),
+            value=np.zeros(1),
+            line=np.zeros(1, int),
+            keep=np.ones(1, bool),
+        )
+        rows.append(share * _at_speed(there, bench, settings, terms))
+    return np.concatenate(rows)
+
+
 def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:
     oscillator = bench.oscillator(record.pinion_torque, settings)
     speed = record.pinion_speed
     axis = record.axis - speed * bench.delay
-    step = min(float(np.median(np.diff(axis))), STEP * speed / oscillator.fastest)
+    step = STEP * speed / oscillator.fastest
+    if len(axis) > 1:
+        step = min(float(np.median(np.diff(axis))), step)
     ring = RING_DOWN * speed / max(oscillator.slowest, 1e-3 * oscillator.frequency)
     start = axis[0] - min(ring, LONGEST_LEAD * 2.0 * math.pi)
     grid = np.arange(start, axis[-1] + 2.0 * step, step)
