@@ -37,6 +37,12 @@ def shapes_of(effect: Effect, setup: Setup) -> list[Effect]:
             for field, several in zip(fields, options, strict=True)
         ]
     shapes = [dataclasses.replace(effect, **dict(zip(fields, values, strict=True))) for values in itertools.product(*options)]
+    strengths = effect.strengths()
+    if len(strengths) == 2:
+        # Two places share what they yield in sum: motions may tell them apart, but not from half way between.
+        shapes += [
+            dataclasses.replace(effect, **{one: 0.0, other: 2.0 * getattr(effect, other)}) for one, other in (strengths, strengths[::-1])
+        ]
     if effect.repeats == "one tooth" or not effect.strengths() or stands(effect):
         return shapes
     # Far from typical sizes the response is not that of the typical one, scaled.

@@ -27,6 +27,8 @@ class SensorResonance(Effect):
     ratio: float = parameter("damping ratio", low=0.001, high=2.0, typical=0.1)
 
     def act(self, instrument: Instrument, setup: Setup) -> Instrument:
-        """Put the low-pass behind those that are there."""
+        """Put the low-pass behind those that are there; one of infinite frequency passes everything."""
+        if math.isinf(self.frequency):
+            return instrument
         resonance = Resonance(frequency=self.frequency, ratio=self.ratio)
         return dataclasses.replace(instrument, resonances=(*instrument.resonances, resonance))

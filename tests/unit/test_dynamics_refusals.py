@@ -21,8 +21,13 @@ def stiff(angle):
 
 def test_drive_repeats_the_operation(coal_combine):
     drive = make_drive(coal_combine)
-    stated = {field.name for field in dataclasses.fields(drive)} - {"ripples"}
+    masses = {"pinion_mass", "wheel_mass"}
+    stated = {field.name for field in dataclasses.fields(drive)} - {"ripples", *masses}
     assert {name: getattr(drive, name) for name in stated} == {name: getattr(coal_combine.operation, name) for name in stated}
+    # Discs of steel from the bore to the reference circle.
+    for gear, mass in ((coal_combine.pair.pinion, drive.pinion_mass), (coal_combine.pair.wheel, drive.wheel_mass)):
+        ring = math.pi * (gear.reference_radius**2 - gear.bore_radius**2)
+        assert mass == pytest.approx(gear.material.density * ring * coal_combine.pair.face_width, rel=1e-9)
     # Torques vary by an effect alone.
     assert drive.ripples == ()
 
