@@ -26,6 +26,8 @@ FURTHER = 0.05
 MOST = 3
 # Rivals that are fitted again beside the best explanation: those within this share of what it gains.
 NEAR, RIVALS = 0.3, 3
+# Most rounds in which an explanation is fitted again, and the share of the objective that one must gain for the next.
+AGAIN, WORTH = 3, 0.01
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 
@@ -69,11 +71,15 @@ class Search:
         return min(starts, key=lambda unknown: self.problem.at(effects, unknown).objective)
 
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
-        """Fit explanations again, each with derivatives taken where it stands."""
+        """Fit explanations again, each with all derivatives taken where it stands, until that gains little."""
 
         def one(fit: Fit) -> Fit:
-            own = copy.copy(self.problem)
-            return own.fit(fit.effects, own.prepare(fit.effects, fit.point.unknown), fresh=True)
+            own, ahead = copy.copy(self.problem), fit
+            for _ in range(AGAIN):
+                before, ahead = ahead.objective, own.fit(ahead.effects, own.prepare(ahead.effects, ahead.point.unknown), fresh=True)
+                if before - ahead.objective < WORTH * ahead.objective:
+                    break
+            return ahead
 
         for number, fit in enumerate(side_by_side(one, fits)):
             progress(words, number, len(fits))
