@@ -76,7 +76,10 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     _twins(search, first, progress)
     best = search.best()
     problem.prepare(best.effects, best.point.unknown)
+    memory = problem.memory
     problem.remember(best)
+    # What a fit far off leaves looks alike for long: no reason to count it less.
+    problem.memory = np.minimum(memory, problem.memory)
     jobs = [search.alone, *([best] if best.effects else []), *search.rivals()]
     search.fits = {}
     search.settle(jobs, progress, "rivals again")

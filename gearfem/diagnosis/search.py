@@ -26,8 +26,9 @@ FURTHER = 0.05
 MOST = 3
 # Rivals that are fitted again beside the best explanation: those within this share of what it gains.
 NEAR, RIVALS = 0.3, 3
-# Most rounds in which an explanation is fitted again, and the share of the objective that one must gain for the next.
-AGAIN, WORTH = 3, 0.01
+# Most rounds in which an explanation is fitted again, and the share of the objective that one must gain for the next; what a fit may leave
+# of a record, over what can be expected, before another start is tried.
+AGAIN, WORTH, FAR = 3, 0.01, 2.0
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 
@@ -71,15 +72,17 @@ class Search:
         return min(starts, key=lambda unknown: self.problem.at(effects, unknown).objective)
 
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
-        """Fit explanations again, each with all derivatives taken where it stands, until that gains little."""
+        """Fit explanations again, see `again`; those with effects that stay far off from scales as the model has them too."""
 
         def one(fit: Fit) -> Fit:
-            own, ahead = copy.copy(self.problem), fit
-            for _ in range(AGAIN):
-                before, ahead = ahead.objective, own.fit(ahead.effects, own.prepare(ahead.effects, ahead.point.unknown), fresh=True)
-                if before - ahead.objective < WORTH * ahead.objective:
-                    break
-            return ahead
+            found = again(self.problem, fit.effects, fit.point.unknown, fit.objective)
+            if not fit.effects or (found.squares / self.problem.floor).max() < FAR:
+                return found
+            try:
+                other = again(self.problem, fit.effects, self.problem.unknowns.neutral(fit.point.unknown))
+            except (InputError, SolveError):
+                return found
+            return min(found, other, key=lambda one: one.objective)
 
         for number, fit in enumerate(side_by_side(one, fits)):
             progress(words, number, len(fits))
@@ -127,6 +130,20 @@ class Search:
         further = max(self.detected, FURTHER * (self.alone.objective - least))
         few = (fit for fit in self.fits.values() if len(fit.effects) <= most)
         return min(few, key=lambda fit: self.score(fit) + further * max(len(fit.effects) - 1, 0))
+
+
+def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, before: float = math.inf) -> Fit:
+    """Return the fit of effects from nuisances on, with all derivatives taken where it stands, until that gains little.
+
+    Near a resonance motions bend so much that one round ends far from where its derivatives were true.
+    """
+    own = copy.copy(problem)
+    for _ in range(AGAIN):
+        fit = own.fit(effects, own.prepare(effects, unknown), fresh=True)
+        if before - fit.objective < WORTH * fit.objective:
+            break
+        before, effects, unknown = fit.objective, fit.effects, fit.point.unknown
+    return fit
 
 
 def label(effects: tuple[Effect, ...]) -> tuple[object, ...]:

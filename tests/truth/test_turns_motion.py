@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from gearfem.compliance import make_compliance
-from gearfem.contact import EdgedLine
 from gearfem.dynamics import DriveTrain, elastic_motion, unloaded_transport
 from gearfem.dynamics.record import Ripple
 from gearfem.dynamics.turns import dynamic_factors, march_turns
@@ -18,24 +16,10 @@ from gearfem.dynamics.turns_plan import mean_stiffness
 from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement import Mesh, MeshForce, mesh_force
 from gearfem.engagement.turns import Turns, static
-from gearfem.flank import make_flanks
 from gearfem.foundation import InputError
-from gearfem.placement import make_placement, runout_gap
+from gearfem.placement import runout_gap
 
 TORQUE = 50.0
-
-
-@pytest.fixture(scope="module")
-def mesh(small_pair) -> Mesh:
-    flanks, pair = make_flanks(small_pair), small_pair.pair
-    law = EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material)
-    placement = dataclasses.replace(make_placement(small_pair), normal_backlash=50e-6)
-    return Mesh(flanks=flanks, placement=placement, compliance=make_compliance(flanks), law=law)
-
-
-@pytest.fixture(scope="module")
-def turns(mesh) -> Turns:
-    return Turns(mesh=mesh)
 
 
 @pytest.fixture(scope="module")

@@ -8,18 +8,13 @@ import math
 import numpy as np
 import pytest
 
-from gearfem.compliance import make_compliance
-from gearfem.contact import EdgedLine
 from gearfem.definition.drive_parts import ShaftedInertia, Support
 from gearfem.dynamics import DriveTrain, elastic_motion, unloaded_transport
 from gearfem.dynamics.record import Ripple
 from gearfem.dynamics.turns import march_turns
 from gearfem.dynamics.waves import slow_torque
-from gearfem.engagement import Mesh, mesh_force
-from gearfem.engagement.turns import Turns
-from gearfem.flank import make_flanks
+from gearfem.engagement import mesh_force
 from gearfem.foundation import InputError
-from gearfem.placement import make_placement
 
 TORQUE = 50.0
 SHAFT = ShaftedInertia(name="motor", inertia=2e-3, stiffness=2e4, damping=0.5)
@@ -30,19 +25,6 @@ CHAINS = {
     "yielding supports": {"pinion_support": SOFT, "wheel_support": SOFT},
     "all of them": {"pinion_chain": (SHAFT,), "wheel_chain": (LOAD,), "pinion_support": SOFT},
 }
-
-
-@pytest.fixture(scope="module")
-def mesh(small_pair) -> Mesh:
-    flanks, pair = make_flanks(small_pair), small_pair.pair
-    law = EdgedLine(pinion=pair.pinion.material, wheel=pair.wheel.material)
-    placement = dataclasses.replace(make_placement(small_pair), normal_backlash=50e-6)
-    return Mesh(flanks=flanks, placement=placement, compliance=make_compliance(flanks), law=law)
-
-
-@pytest.fixture(scope="module")
-def turns(mesh) -> Turns:
-    return Turns(mesh=mesh)
 
 
 @pytest.fixture(scope="module")
