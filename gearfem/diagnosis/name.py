@@ -12,7 +12,8 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import identify
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import Candidate, rank, rank_again, together
-from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, without_one
+from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, way_of, without_one
+from gearfem.diagnosis.shapes import bounded
 from gearfem.diagnosis.verdict import Naming, judge
 from gearfem.effects.effect import Effect
 from gearfem.foundation.progress import Progress, quiet
@@ -25,6 +26,8 @@ ALIKE = 0.999
 HOPELESS = 0.5
 # Explanations that are fitted again, with derivatives taken where they stand, before the search goes on; further ones after that.
 SETTLED, FURTHER_SETTLED = 4, 2
+# What a candidate must promise to gain to be fitted.
+PROMISING = DETECTED / 8.0
 
 
 def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> Naming:
@@ -66,9 +69,9 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         if len(best.effects) != count or search.alone.objective - best.objective < HOPELESS * search.detected:
             break
         problem.prepare(best.effects, best.point.unknown)
-        again = [c for c in rank_again(problem, best, first, progress) if c.gain > DETECTED]
+        again = [c for c in rank_again(problem, best, first, progress) if c.gain > PROMISING]
         setup = problem.campaign.setup
-        starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in _apart(again, PAIRED)]
+        starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in _of_each_way(_apart(again))]
         search.fit(starts, best, progress, "further effects")
         ahead = [fit for fit in search.first(len(search.fits)) if len(fit.effects) == count + 1]
         search.settle(ahead[:FURTHER_SETTLED], progress, "these again")
@@ -89,20 +92,28 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
 
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
-    chosen = _apart([c for c in candidates if c.gain > DETECTED / 8.0], FITTED)
+    chosen = _apart([c for c in candidates if c.gain > PROMISING])[:FITTED]
     setup = search.problem.campaign.setup
     starts: list[Start] = [((candidate.start(setup),), candidate.unknown) for candidate in chosen]
     search.fit(starts, alone, progress, "single effects")
 
 
-def _apart(candidates: Sequence[Candidate], most: int) -> list[Candidate]:
+def _of_each_way(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return the first candidates, and the first one of each way in which effects act."""
+    ways: dict[tuple[str, str], Candidate] = {}
+    for candidate in candidates:
+        ways.setdefault(way_of(candidate.effect), candidate)
+    return [c for place, c in enumerate(candidates) if place < PAIRED or c is ways[way_of(c.effect)]]
+
+
+def _apart(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the first candidates whose responses differ at all; what looks like one of them is tried beside the best at the end."""
     kept: list[Candidate] = []
     for candidate in candidates:
         own = candidate.signature / np.linalg.norm(candidate.signature)
         if all(abs(own @ other.signature) < ALIKE * np.linalg.norm(other.signature) for other in kept):
             kept.append(candidate)
-    return kept[:most]
+    return kept
 
 
 def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> None:
@@ -118,13 +129,23 @@ def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress
 
 def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
     """Fit the pairs of the first candidates that promise most together."""
-    few = [c for c in candidates if c.gain > DETECTED / 8.0][:5]
+    few = [c for c in candidates if c.gain > PROMISING][:5]
     gains = sorted(((together(search.problem, alone, pair), pair) for pair in itertools.combinations(few, 2)), key=lambda item: -item[0])
     single = alone.objective - search.best(1).objective
     chosen = [pair for gain, pair in gains if gain > single + DETECTED][:1]
     setup = search.problem.campaign.setup
     starts: list[Start] = [(tuple(candidate.start(setup) for candidate in pair), pair[0].unknown) for pair in chosen]
+    starts += _both_gears(search)
     search.fit(starts, alone, progress, "pairs of effects")
+
+
+def _both_gears(search: Search) -> list[Start]:
+    """Return the best single effect of all teeth of a gear on both gears, each half as strong as it would be alone."""
+    best, setup = search.best(1), search.problem.campaign.setup
+    alike = [fit for fit in search.first(len(search.fits)) if [type(e) for e in fit.effects] == [type(e) for e in best.effects]]
+    if len(alike) < 2 or not best.effects[0].of_one_gear() or best.effects[0].repeats != "every tooth":
+        return []
+    return [(tuple(bounded(fit.effects[0].scaled(0.5, setup), setup) for fit in alike[:2]), None)]
 
 
 def _eliminate(search: Search) -> None:

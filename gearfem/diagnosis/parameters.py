@@ -53,7 +53,7 @@ def at_bounds(effects: tuple[Effect, ...], setup: Setup) -> tuple[tuple[int, str
     found = []
     for number, effect in enumerate(effects):
         for field, known in effect.parameters().items():
-            low, high = known.bounds(setup, effect.member)
-            if any(abs(getattr(effect, field) - edge) <= 1e-6 * (high - low) for edge in (low, high)):
+            value, *edges = (known.coordinate(at) for at in (getattr(effect, field), *known.bounds(setup, effect.member)))
+            if any(abs(value - edge) <= 1e-6 * abs(edges[1] - edges[0]) for edge in edges):
                 found.append((number, field))
     return tuple(found)

@@ -29,8 +29,12 @@ PER_PITCH = 48
 LIKELIEST = 2
 # Part of the expected square beyond which nuisances alone may have found a wrong zero of the angle.
 LOST = 5.0
+# Part of a response that nuisances leave of an effect below which only fits tell what it is worth beside others, once nuisances stray.
+VEILED = 0.05
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
+# Prior deviations from which on a nuisance is a finding itself.
+STRAYED = 3.0
 # Teeth that are looked at in full, of each effect of one tooth.
 TEETH = 2
 
@@ -118,7 +122,8 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
     whole = [c for c in candidates if not hasattr(c.effect, "tooth")]
     likely = sorted(whole, key=lambda c: -_scored(c.effect, c.signature, freed, setup, c.unknown).gain)
     named = {(type(effect), effect.member) for effect in base.effects}
-    others = {kind: None for c in likely[:LOOKED_AT] if (kind := (type(c.effect), c.effect.member)) not in named}
+    veiled = [c for c in likely[LOOKED_AT:] if c.share < VEILED] if strayed(problem, base) else []
+    others = {kind: None for c in (*likely[:LOOKED_AT], *veiled) if (kind := (type(c.effect), c.effect.member)) not in named}
     return _ranked(problem, base, [*teeth, *others], progress, "candidates beside what is found")
 
 
@@ -236,6 +241,9 @@ def _best(view: _View, slow: _View | None, start: Effect) -> Candidate | None:
         if other is None or other.gain <= best.gain:
             break
         best = other
+    if view.base.effects and best.share < VEILED and strayed(view.problem, view.base):
+        fitted = _fitted(view, start)
+        return best if fitted is None or fitted.gain <= best.gain else fitted
     return best
 
 
@@ -268,6 +276,11 @@ def _lost(view: _View) -> bool:
     return bool(moving.any() and (view.base.squares / view.problem.floor)[moving].max() > LOST)
 
 
+def strayed(problem: Problem, fit: Fit) -> bool:
+    """Return whether nuisances of a fit stand where they may do the work of an effect."""
+    return bool(np.abs(fit.point.unknown[problem.unknowns.scales]).max(initial=0.0) > STRAYED)
+
+
 def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, fresh: bool) -> list[Fit]:
     found = []
     for effects, unknown in starts:
@@ -298,7 +311,7 @@ def _elsewhere(view: _View, effect: Effect) -> list[Array]:
     the effect in the model, since effects that change all flanks much move the mesh lines.
     """
     problem, base = view.problem, view.base
-    if (base.squares / problem.floor).max() < LOST:
+    if (base.squares / problem.floor).max() < LOST and not (base.effects and strayed(problem, base)):
         return []
     names = [nuisance.name for nuisance in problem.nuisances]
     neutral = problem.unknowns.neutral(base.point.unknown)

@@ -7,8 +7,11 @@ import math
 from collections.abc import Sequence
 from typing import TypeAlias
 
+import numpy as np
+
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.rank import STRAYED
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -20,8 +23,11 @@ PARAMETER = 8.0
 DETECTED = 40.0
 # Share of the rows that a name must gain too: healthy pairs gain up to a third of that by effects that imitate errors of our model.
 IMITATED = 0.01
-# A further name must gain this share of what the first ones did: less is the difference between their shapes and the real ones.
-FURTHER = 0.05
+# A further name must gain this share of what the first ones did where it acts as one of them does: less is the difference between their
+# shapes and the real ones, which other effects do not imitate as well.
+FURTHER, FURTHER_OTHER = 0.05, 0.01
+# Prior deviations at which a nuisance costs as much as a name must gain; from `STRAYED` on it costs something.
+LOST = 5.0
 # Most effects of an explanation.
 MOST = 3
 # Rivals that are fitted again beside the best explanation: those within this share of what it gains.
@@ -125,11 +131,17 @@ class Search:
         return max(DETECTED, IMITATED * self.rows)
 
     def best(self, most: int = MOST) -> Fit:
-        """Return the fit of the best score; each effect more must pay for itself by its share of the gain too."""
+        """Return the fit of the best score; effects beside the first, and nuisances that do the work of one, pay for themselves too."""
         least = min(fit.objective for fit in self.fits.values())
-        further = max(self.detected, FURTHER * (self.alone.objective - least))
-        few = (fit for fit in self.fits.values() if len(fit.effects) <= most)
-        return min(few, key=lambda fit: self.score(fit) + further * max(len(fit.effects) - 1, 0))
+        like, other = (max(self.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER))
+
+        def price(fit: Fit) -> float:
+            ways = len({way_of(effect) for effect in fit.effects})
+            further = like * (len(fit.effects) - ways) + other * max(ways - 1, 0)
+            strayed = np.maximum(fit.point.unknown[self.problem.unknowns.scales] ** 2 - STRAYED**2, 0.0).sum() / (LOST**2 - STRAYED**2)
+            return self.score(fit) + further + float(strayed) * self.detected
+
+        return min((fit for fit in self.fits.values() if len(fit.effects) <= most), key=price)
 
 
 def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, before: float = math.inf) -> Fit:
@@ -144,6 +156,11 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, before:
             break
         before, effects, unknown = fit.objective, fit.effects, fit.point.unknown
     return fit
+
+
+def way_of(effect: Effect) -> tuple[str, str]:
+    """Return how an effect acts, where in the model and how it repeats: one of the same way may do what another one's shape lacks."""
+    return "teeth" if effect.stage in ("flank", "placement") else effect.stage, effect.repeats
 
 
 def label(effects: tuple[Effect, ...]) -> tuple[object, ...]:

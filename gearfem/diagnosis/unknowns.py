@@ -81,10 +81,15 @@ class Unknowns(Record):
         unknown[self.late] = np.concatenate([settings.pinion_late, settings.wheel_late]) / self.scatter.index
         return unknown
 
+    @property
+    def scales(self) -> list[int]:
+        """Places of the outer nuisances but for the zero of the angle, of which nothing is expected."""
+        return [place for place, nuisance in enumerate(self.nuisances) if nuisance.name != "angle_offset"]
+
     def neutral(self, unknown: Array) -> Array:
         """Return unknowns with scales as the model has them; the zero of the angle and all that is linear stay."""
         found = unknown.copy()
-        found[[place for place, nuisance in enumerate(self.nuisances) if nuisance.name != "angle_offset"]] = 0.0
+        found[self.scales] = 0.0
         return found
 
     def constant(self, record: int, unknown: Array) -> float:

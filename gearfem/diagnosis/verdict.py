@@ -25,6 +25,8 @@ THRESHOLD, SHAPE = 40.0, 0.005
 STANDS, CLOSED = 0.60, 0.90
 # What fits may leave, over what can be expected of them, before it counts as a gap.
 GAP_SLOW, GAP_MOVING = 1.25, 2.0
+# Prior deviations of a nuisance at which it does the work of something that is missing.
+ASTRAY = 4.0
 # What may remain beside a name that stands, in gaps.
 REST = 2.4
 
@@ -108,7 +110,8 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
     if not best.effects or gained < search.detected:
-        verdict: Verdict = "no_discrepancy" if level < 1.0 else "unexplained"
+        strayed = np.abs(alone.point.unknown[search.problem.unknowns.scales]).max(initial=0.0)
+        verdict: Verdict = "no_discrepancy" if level < 1.0 and strayed < ASTRAY else "unexplained"
     elif remains > 1.0 and (closed < STANDS or remains > REST):
         verdict = "unexplained"
     elif close:

@@ -213,3 +213,29 @@ def test_errors_of_teeth_come_through_on_supports_as_the_motion_has_them(soft: S
     off = np.std(columns[:, 2 * tooth] - exact) / np.std(exact)
     print(f"{quantity}: off by {off:.3f}")
     assert off < 0.15
+
+
+def test_the_largest_kw_changes_with_the_tooth_where_it_is_largest(soft: System) -> None:
+    """Of the two speeds, one lies on the modes: derivatives over single index errors are those of the acceleration at the peak."""
+    pair, bench = soft.setup.pair, SystemBench(system=soft, errors=())
+    speeds = np.array([SPEED, 2.3 * SPEED])
+    kw = Measurement(
+        file="kw.csv",
+        quantity=QUANTITIES["dynamic_factor"],
+        axis=speeds,
+        value=np.ones(2),
+        line=np.arange(2),
+        keep=np.ones(2, bool),
+        pinion_torque=TORQUE,
+    )
+    # Late teeth make one peak the largest, which small errors do not change.
+    base = np.where(np.arange(pair.pinion.teeth) == 7, 2e-6, 0.0)
+    start = Settings(pinion_late=base, wheel_late=np.zeros(pair.wheel.teeth))
+    columns, small, exact = tooth_columns(kw, bench, start, Scatter(terms=1)), 2e-8, []
+    for tooth in range(pair.pinion.teeth):
+        late = base + np.where(np.arange(pair.pinion.teeth) == tooth, small, 0.0)
+        moved = Settings(pinion_late=late, wheel_late=np.zeros(pair.wheel.teeth))
+        exact.append((bench.predict(kw, moved) - bench.predict(kw, start)) / small)
+    off = np.linalg.norm(columns[:, : 2 * pair.pinion.teeth : 2] - np.array(exact).T, axis=1) / np.linalg.norm(exact, axis=0)
+    print(f"largest Kw: off by {off}")
+    assert off.max() < 0.15
