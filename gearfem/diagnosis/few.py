@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 from scipy.stats import chi2
 
+from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.rank import Candidate
 from gearfem.diagnosis.search import Search
 from gearfem.diagnosis.verdict import Naming, Rival, closure, gap_left, sentence_of
 from gearfem.foundation.progress import Progress

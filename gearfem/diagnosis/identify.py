@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.rank import Candidate
 from gearfem.diagnosis.search import DETECTED
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Record

@@ -7,11 +7,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from gearfem.diagnosis.candidate import Candidate, together
 from gearfem.diagnosis.few import judge_few
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import identify
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.rank import Candidate, rank, rank_again, together
+from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, way_of, without_one
 from gearfem.diagnosis.shapes import bounded
 from gearfem.diagnosis.verdict import Naming, judge
