@@ -80,7 +80,7 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
     whole = [c for c in candidates if not hasattr(c.effect, "tooth")]
     likely = sorted(whole, key=lambda c: -scored(c.effect, c.signature, freed, setup, c.unknown).gain)
     named = {(type(effect), effect.member) for effect in base.effects}
-    veiled = [c for c in likely[LOOKED_AT:] if c.share < VEILED] if strayed(problem, base) else []
+    veiled = [c for c in likely[LOOKED_AT:] if c.share < VEILED] if len(base.effects) == 1 and strayed(problem, base) else []
     others = {kind: None for c in (*likely[:LOOKED_AT], *veiled) if (kind := (type(c.effect), c.effect.member)) not in named}
     return _ranked(problem, base, [*teeth, *others], progress, "candidates beside what is found")
 
@@ -125,7 +125,7 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
         if other is None or other.gain <= best.gain:
             break
         best = other
-    if view.base.effects and best.share < VEILED and strayed(view.problem, view.base):
+    if len(view.base.effects) == 1 and best.share < VEILED and strayed(view.problem, view.base):
         fitted = _fitted(view, start)
         return best if fitted is None or fitted.gain <= best.gain else fitted
     return best
@@ -195,7 +195,7 @@ def _elsewhere(view: View, effect: Effect) -> list[Array]:
     the effect in the model, since effects that change all flanks much move the mesh lines.
     """
     problem, base = view.problem, view.base
-    if (base.squares / problem.floor).max() < LOST and not (base.effects and strayed(problem, base)):
+    if (base.squares / problem.floor).max() < LOST and not (len(base.effects) == 1 and strayed(problem, base)):
         return []
     names = [nuisance.name for nuisance in problem.nuisances]
     neutral = problem.unknowns.neutral(base.point.unknown)

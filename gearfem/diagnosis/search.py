@@ -78,11 +78,12 @@ class Search:
         return min(starts, key=lambda unknown: self.problem.at(effects, unknown).objective)
 
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
-        """Fit explanations again, see `again`; those with effects that stay far off from scales as the model has them too."""
+        """Fit explanations again, see `again`; if the best with effects stays far off, it from scales as the model has them too."""
+        first = min((fit for fit in fits if fit.effects), key=self.score, default=None)
 
         def one(fit: Fit) -> Fit:
             found = again(self.problem, fit.effects, fit.point.unknown, fit.objective)
-            if not fit.effects or (found.squares / self.problem.floor).max() < FAR:
+            if fit is not first or (found.squares / self.problem.floor).max() < FAR:
                 return found
             try:
                 other = again(self.problem, fit.effects, self.problem.unknowns.neutral(fit.point.unknown))
@@ -122,8 +123,10 @@ class Search:
         return total
 
     def score(self, fit: Fit) -> float:
-        """Return the score of a fit; lower is better."""
-        return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound)
+        """Return the score of a fit; lower is better. Nuisances that do the work of an effect cost as one must gain."""
+        beyond = np.maximum(fit.point.unknown[self.problem.unknowns.scales] ** 2 - STRAYED**2, 0.0)
+        strayed = float(beyond.sum()) / (LOST**2 - STRAYED**2) * self.detected
+        return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound) + strayed
 
     @property
     def detected(self) -> float:
@@ -131,15 +134,14 @@ class Search:
         return max(DETECTED, IMITATED * self.rows)
 
     def best(self, most: int = MOST) -> Fit:
-        """Return the fit of the best score; effects beside the first, and nuisances that do the work of one, pay for themselves too."""
+        """Return the fit of the best score; effects beside the first pay for themselves too."""
         least = min(fit.objective for fit in self.fits.values())
         like, other = (max(self.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER))
 
         def price(fit: Fit) -> float:
             ways = len({way_of(effect) for effect in fit.effects})
             further = like * (len(fit.effects) - ways) + other * max(ways - 1, 0)
-            strayed = np.maximum(fit.point.unknown[self.problem.unknowns.scales] ** 2 - STRAYED**2, 0.0).sum() / (LOST**2 - STRAYED**2)
-            return self.score(fit) + further + float(strayed) * self.detected
+            return self.score(fit) + further
 
         return min((fit for fit in self.fits.values() if len(fit.effects) <= most), key=price)
 
