@@ -108,10 +108,10 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         if fit is not best and fit.effects
     )
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
+    astray = _astray(search)
     close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
     if not best.effects or gained < search.detected:
-        strayed = np.abs(alone.point.unknown[search.problem.unknowns.scales]).max(initial=0.0)
-        verdict: Verdict = "no_discrepancy" if level < 1.0 and strayed < ASTRAY else "unexplained"
+        verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
     elif remains > 1.0 and (closed < STANDS or remains > REST):
         verdict = "unexplained"
     elif close:
@@ -135,8 +135,18 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {search.detected:.0f}.",
             f"Nuisances alone leave {level:.2f}, the best explanation leaves {remains:.2f} times what counts as a gap.",
+            *(
+                f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
+                for words, moved in astray
+            ),
         ),
     )
+
+
+def _astray(search: Search) -> list[tuple[str, float]]:
+    """Return the nuisances that stand too far off to be nuisances in the fit without effects, in prior deviations."""
+    unknown, unknowns = search.alone.point.unknown, search.problem.unknowns
+    return [(unknowns.nuisances[at].words, float(unknown[at])) for at in unknowns.scales if abs(unknown[at]) >= ASTRAY]
 
 
 def closure(alone: Fit, best: Fit, problem: Problem) -> float:
