@@ -9,6 +9,7 @@ import numpy as np
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.shapes import bounded
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array
 
@@ -25,6 +26,36 @@ def starts_of(problem: Problem, base: Fit, kind: type[Effect], member: Member) -
         return [first]
     gains = tooth_gains(problem, base, first)
     return [dataclasses.replace(first, tooth=int(tooth)) for tooth in np.argsort(-gains)[:TEETH]]  # type: ignore[call-arg]
+
+
+def late_tooth(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[tuple[Effect, Array]]:
+    """Return an effect that displaces one tooth where the index errors of a fit stand out most, and the unknowns without that error.
+
+    Parameters
+    ----------
+    problem, base : Problem, Fit
+        As for `rank`.
+    kind, member : type, {"pinion", "wheel"}
+        Effect and gear; others than those that place one tooth have none.
+
+    Returns
+    -------
+    list of (Effect, ndarray of shape (k,))
+        One or none.
+    """
+    if not (kind.stage == "placement" and kind.repeats == "one tooth"):
+        return []
+    setup, late = problem.campaign.setup, base.settings.pinion_late if member == "pinion" else base.settings.wheel_late
+    usual = float(np.median(late))
+    tooth = int(np.argmax(np.abs(late - usual)))
+    first = dataclasses.replace(kind.example(setup, member), tooth=tooth)  # type: ignore[call-arg]
+    share = (float(late[tooth]) - usual) / getattr(first, first.strengths()[0])
+    without = late.copy()
+    without[tooth] = usual
+    both = dataclasses.replace(base.settings, **{f"{member}_late": without})  # type: ignore[arg-type]
+    unknown = base.point.unknown.copy()
+    unknown[problem.unknowns.late] = problem.unknowns.of(both)[problem.unknowns.late]
+    return [(bounded(first.scaled(share, setup), setup), unknown)]
 
 
 def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.candidate import Candidate, View, candidate_of, scored, view_of
 from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.likely_teeth import starts_of
+from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.shapes import bounded, shapes_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
@@ -95,7 +95,8 @@ def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]]
 
     def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
         starts = starts_of(problem, view.base, *job)
-        tried = (_fitted(view, start) if stands(start) else _best(view, slow, start) for start in starts)
+        tried = [_fitted(view, start) if stands(start) else _best(view, slow, start) for start in starts]
+        tried += [candidate_of(view, *late) for late in late_tooth(problem, view.base, *job)]
         return [candidate for candidate in tried if candidate is not None]
 
     for number, several in enumerate(side_by_side(one, jobs)):
@@ -137,10 +138,11 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
     if not any(record.quantity.moving for record in problem.records):
         return None
     lost = _lost(view)
+    other = problem.unknowns.neutral(base.point.unknown) if strayed(problem, base) else base.point.unknown
     starts = [
         ((*base.effects, effect), unknown)
         for effect in shapes_of(start, problem.campaign.setup)[:: 1 if lost else 2]
-        for unknown in _elsewhere(view, effect) or [base.point.unknown]
+        for unknown in _elsewhere(view, effect) or [other]
     ]
     found = _fits(problem, starts, 2, lost)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]
@@ -195,7 +197,7 @@ def _elsewhere(view: View, effect: Effect) -> list[Array]:
     the effect in the model, since effects that change all flanks much move the mesh lines.
     """
     problem, base = view.problem, view.base
-    if (base.squares / problem.floor).max() < LOST and not (len(base.effects) == 1 and strayed(problem, base)):
+    if (base.squares / problem.floor).max() < LOST:
         return []
     names = [nuisance.name for nuisance in problem.nuisances]
     neutral = problem.unknowns.neutral(base.point.unknown)

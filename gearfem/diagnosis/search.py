@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
+from scipy.stats import median_abs_deviation
 
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
@@ -124,9 +125,17 @@ class Search:
 
     def score(self, fit: Fit) -> float:
         """Return the score of a fit; lower is better. Nuisances that do the work of an effect cost as one must gain."""
-        beyond = np.maximum(fit.point.unknown[self.problem.unknowns.scales] ** 2 - STRAYED**2, 0.0)
+        beyond = np.maximum(self._astray(fit) ** 2 - STRAYED**2, 0.0)
         strayed = float(beyond.sum()) / (LOST**2 - STRAYED**2) * self.detected
         return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound) + strayed
+
+    def _astray(self, fit: Fit) -> Array:
+        """Return scales in prior deviations, and the index error that stands out most on either gear in deviations of its other teeth."""
+        unknowns, z1 = self.problem.unknowns, self.problem.campaign.setup.pair.pinion.teeth
+        late = fit.point.unknown[unknowns.late]
+        gears = late[:z1], late[z1:]
+        out = [np.abs(gear - np.median(gear)).max() / max(1.0, float(median_abs_deviation(gear, scale="normal"))) for gear in gears]
+        return np.concatenate([fit.point.unknown[unknowns.scales], out])
 
     @property
     def detected(self) -> float:
