@@ -94,7 +94,8 @@ def candidate_of(view: View, effect: Effect, unknown: Array | None = None) -> Ca
         ahead = problem.at((*point.effects, effect), point.unknown if unknown is None else unknown, point.weights)
     except (InputError, SolveError):
         return None
-    signature = problem.whiten(tuple(a - b for a, b in zip(ahead.predicted, point.predicted, strict=True)))
+    before = point.predicted if unknown is None else problem.predict(point.effects, unknown)
+    signature = problem.whiten(tuple(a - b for a, b in zip(ahead.predicted, before, strict=True)))
     if not signature @ signature > 0.0:
         return None
     candidate = scored(effect, signature, view.freed, setup, unknown)

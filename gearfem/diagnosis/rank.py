@@ -127,22 +127,24 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
             break
         best = other
     if len(view.base.effects) == 1 and best.share < VEILED and strayed(view.problem, view.base):
-        fitted = _fitted(view, start)
+        fitted = _fitted(view, start, view.problem.unknowns.neutral(view.base.point.unknown))
         return best if fitted is None or fitted.gain <= best.gain else fitted
     return best
 
 
-def _fitted(view: View, start: Effect) -> Candidate | None:
-    """Return an effect as fits from several places find it: one that cannot be scaled, or that changes motions which are far off anyway."""
+def _fitted(view: View, start: Effect, unknown: Array | None = None) -> Candidate | None:
+    """Return an effect as fits from several places find it: one that cannot be scaled, or that changes motions which are far off anyway.
+
+    From the nuisances of the view's fit or others that may lead nearer, unless they are given.
+    """
     problem, base = view.problem, view.base
     if not any(record.quantity.moving for record in problem.records):
         return None
     lost = _lost(view)
-    other = problem.unknowns.neutral(base.point.unknown) if strayed(problem, base) else base.point.unknown
     starts = [
         ((*base.effects, effect), unknown)
         for effect in shapes_of(start, problem.campaign.setup)[:: 1 if lost else 2]
-        for unknown in _elsewhere(view, effect) or [other]
+        for unknown in ([unknown] if unknown is not None else _elsewhere(view, effect) or [base.point.unknown])
     ]
     found = _fits(problem, starts, 2, lost)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]

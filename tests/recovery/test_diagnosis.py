@@ -169,3 +169,19 @@ def test_a_record_of_unknown_first_tooth_is_turned_until_it_fits(tmp_path: Path)
     assert held.smooth.size == 0
     assert held.rms(held.after) == pytest.approx(0.5 * UM, rel=0.4, abs=0.0)
     assert proof.stands
+
+
+def test_a_tooth_out_of_place_is_named_and_not_taken_for_scatter(tmp_path: Path) -> None:
+    """Index errors are nuisances, and one of nine deviations would hide among them."""
+    hidden = {"name": "pitch_error", "gear": "pinion", "tooth": 8, "amount_um": -9.0}
+    write_toml(tmp_path / "true.toml", NOMINAL | {"effect": [hidden]})
+    # Over so many turns the tooth meets several of the wheel's.
+    write_toml(tmp_path / "plan.toml", PLAN | {"record": [record | {"turns": 3.4} for record in PLAN["record"]]})
+    true = load_model(tmp_path / "true.toml")
+    measure(true, read_plan(tmp_path / "plan.toml", true.pair), NOMINAL, tmp_path / "rig")
+    naming = diagnose(read_campaign(tmp_path / "rig" / "campaign.toml"), choose(catalogue(), ["pitch_error", "profile_slope"])).naming
+    (found,) = naming.fit.effects
+    assert naming.verdict == "explained"
+    assert (found.name, found.gear, found.tooth) == ("pitch_error", "pinion", 8)
+    # Scatter of half a micrometre adds to it.
+    assert found.amount == pytest.approx(-9.0 * UM, rel=0.0, abs=1.5 * UM)
