@@ -142,9 +142,9 @@ def _fitted(view: View, start: Effect, unknown: Array | None = None) -> Candidat
         return None
     lost = _lost(view)
     starts = [
-        ((*base.effects, effect), unknown)
+        ((*base.effects, effect), place)
         for effect in shapes_of(start, problem.campaign.setup)[:: 1 if lost else 2]
-        for unknown in ([unknown] if unknown is not None else _elsewhere(view, effect) or [base.point.unknown])
+        for place in ([unknown] if unknown is not None else _elsewhere(view, effect) or [base.point.unknown])
     ]
     found = _fits(problem, starts, 2, lost)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]
