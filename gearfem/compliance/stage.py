@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.compliance.finite_elements import FiniteElements
-from gearfem.compliance.record import Compliance, ComplianceCurve
+from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
 from gearfem.compliance.section_mesh import unworn
 from gearfem.compliance.worn import odd_tooth, worn_tooth
 from gearfem.definition.setup import Member
@@ -121,8 +121,22 @@ def make_compliance(flanks: Flanks, method: FiniteElements | None = None, positi
     for done, member in enumerate(MEMBERS):
         progress("tooth compliance", done, 2)
         outline = flanks.of(member)
-        u = load_positions(unworn(outline), positions)
-        teeth.append(worn_tooth(method, outline, u))
-        odd.append(tuple((number, odd_tooth(method, one, outline, u)) for number, one in sorted(flanks.odd(member).items())))
+        usual, several = _on_same_positions(method, flanks, member, load_positions(unworn(outline), positions))
+        teeth.append(usual)
+        odd.append(several)
     progress("tooth compliance", 2, 2)
     return Compliance(pinion=teeth[0], wheel=teeth[1], pinion_odd=odd[0], wheel_odd=odd[1])
+
+
+def _on_same_positions(
+    method: FiniteElements, flanks: Flanks, member: Member, u: Array
+) -> tuple[ToothCompliance, tuple[tuple[int, ToothCompliance], ...]]:
+    """Return the tooth of a gear and its odd ones; positions that one of them cannot carry are left out for all."""
+    outline = flanks.of(member)
+    while True:
+        usual = worn_tooth(method, outline, u)
+        several = tuple((number, odd_tooth(method, one, outline, usual.u)) for number, one in sorted(flanks.odd(member).items()))
+        least = min((tooth.u for tooth in (usual, *(tooth for _, tooth in several))), key=len)
+        if least.size == usual.u.size:
+            return usual, several
+        u = least

@@ -69,6 +69,8 @@ def read_compliance(compliance: Compliance, contacts: Contacts) -> PairComplianc
 def _read(compliance: Compliance, member: Member, u: Array, contacts: Contacts, sense: int) -> tuple[Array, Array]:
     usual, odd = compliance.of(member), compliance.odd(member)
     tables = [odd.get(pair % usual.outline.gear.teeth, usual) for pair in contacts.pairs]
+    if any(own.u.size != usual.u.size for own in tables):
+        raise SolveError(f"the compliance tables of the {member}'s single teeth stand at other positions than those of the others")
     weights = _weights(usual.u, u)
     linear = np.zeros((*u.shape, len(tables)))
     for j, own in enumerate(tables):
