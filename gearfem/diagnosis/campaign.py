@@ -6,6 +6,7 @@ import dataclasses
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.definition.model_file import read_tables
@@ -71,6 +72,23 @@ class Measurement(Record):
     def to_file(self) -> float:
         """Factor from SI to the unit of the file's measured column."""
         return 1.0 / self.quantity.factors[1]
+
+
+def make_record(name: str, axis: Array, value: Array | None = None, **stated: Any) -> Measurement:
+    """Return a record of which every row counts, from arrays.
+
+    Parameters
+    ----------
+    name : str
+        Of its quantity, and of the record where `file` is not stated.
+    axis, value : ndarray, shape (n,)
+        As of `Measurement`; no value for a record that is only planned.
+    **stated
+        The other fields of `Measurement`.
+    """
+    value = np.zeros(len(axis)) if value is None else value
+    whole = {"line": np.arange(len(axis)), "keep": np.ones(len(axis), bool)}
+    return Measurement(**{"file": name, **whole, **stated}, quantity=QUANTITIES[name], axis=axis, value=value)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

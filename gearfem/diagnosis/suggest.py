@@ -10,13 +10,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearfem.definition.setup import Member
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.campaign import Measurement, make_record
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.nuisances import MOVING, SCALES, slopes
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import tooth_columns
 from gearfem.effects.effect import MEMBERS, Effect
@@ -221,16 +220,4 @@ def _has(problem: Problem, name: str, member: Member, tooth: int | None) -> bool
 def _record(
     name: str, axis: Array, std: float | None, torque: float = 0.0, speed: float = 0.0, gear: Member | None = None, tooth: int | None = None
 ) -> Measurement:
-    return Measurement(
-        file=name,
-        quantity=QUANTITIES[name],
-        axis=axis,
-        value=np.zeros(len(axis)),
-        line=np.arange(len(axis)),
-        keep=np.ones(len(axis), bool),
-        pinion_torque=torque,
-        pinion_speed=speed,
-        gear=gear,
-        tooth=tooth,
-        noise_std=std,
-    )
+    return make_record(name, axis, pinion_torque=torque, pinion_speed=speed, gear=gear, tooth=tooth, noise_std=std)

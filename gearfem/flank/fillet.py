@@ -8,9 +8,13 @@ from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.special import hyp2f1
 
 from gearfem.definition.setup import Gear
 from gearfem.foundation import Array, Record
+
+# Absolute step at which a root search ends [rad]: none, so that small roots keep all digits.
+FINEST = 1e-300
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -76,29 +80,52 @@ class Fillet(Record):
 
     @cached_property
     def end(self) -> tuple[float, float]:
-        """Last normal direction b of the fillet [rad] and the roll length of the involute there [m]."""
-        gear = self.gear
-        last = math.pi / 2.0 - gear.pressure_angle
-        sine = math.sin(gear.pressure_angle)
-        roll = gear.reference_radius * sine + self.round_height / sine - self.rack_tip_radius
+        """Last normal direction b of the fillet [rad] and the roll length of the involute there [m].
+
+        Where the undercut is slight, both curves leave the base circle almost along the same line: the crossing is sought as a
+        turn away from the end of the rack's round, in differences written out so that no digits cancel.
+        """
+        last = math.pi / 2.0 - self.gear.pressure_angle
+        roll = -self._past_base(0.0)[0]
         if roll > 0.0:
             return last, roll
 
-        def beyond(direction: float) -> float:
-            """Angle by which the fillet stands outside the involute; negative where it cuts into it."""
-            (radius, polar), _ = self.place(np.array(direction))
-            return float(polar - gear.half_angle(max(radius, gear.base_radius)))
-
-        def above_base(direction: float) -> float:
-            return float(self.place(np.array(direction))[0][0]) - gear.base_radius
+        def above_base(turn: float) -> float:
+            return self._past_base(turn)[1]
 
         # Undercut: on the base circle the trochoid lies inside the involute, at its end outside; between, they cross.
-        first = float(brentq(above_base, 0.0, last, xtol=1e-15))
-        cross = float(brentq(beyond, first, last, xtol=1e-15)) if beyond(first) < 0.0 else first
-        radius = float(self.place(np.array(cross))[0][0])
-        return cross, math.sqrt(max(radius**2 - gear.base_radius**2, 0.0))
+        first = float(brentq(above_base, 0.0, last, xtol=FINEST))
+        cross = float(brentq(self._outside_involute, 0.0, first, xtol=FINEST)) if self._outside_involute(first) < 0.0 else first
+        return last - cross, math.sqrt(max(above_base(cross), 0.0))
+
+    def _past_base(self, turn: float) -> tuple[float, float]:
+        """Return the fillet's way past the foot of its normal on the base tangent [m] and the square of its roll length [m^2].
+
+        The turn [rad] leads from the direction of the rack's flank towards the root, b = pi/2 - alpha - turn.
+        """
+        reference, alpha = self.gear.reference_radius, self.gear.pressure_angle
+        sine, turned = math.sin(alpha), math.sin(alpha + turn)
+        at_end = self.rack_tip_radius - self.round_height / sine - reference * sine
+        rise = 2.0 * math.cos(alpha + turn / 2.0) * math.sin(turn / 2.0)
+        past = at_end + rise * (self.round_height / (sine * turned) - reference)
+        return past, past**2 - reference**2 * math.sin(turn) * math.sin(2.0 * alpha + turn)
+
+    def _outside_involute(self, turn: float) -> float:
+        """Return the angle by which the fillet stands outside the involute of its radius [rad]; negative where it cuts into it."""
+        reference, alpha, base = self.gear.reference_radius, self.gear.pressure_angle, self.gear.base_radius
+        at_end = self._past_base(0.0)[0]
+        past, square = self._past_base(turn)
+        rolled = self.round_height * math.sin(turn) / (reference * math.sin(alpha) * math.sin(alpha + turn))
+        widened = 2.0 * math.sin(alpha + turn / 2.0) * math.sin(turn / 2.0) / math.cos(alpha + turn)
+        lag = _arctan_lag(past / (reference * math.cos(alpha + turn))) + _arctan_lag(math.sqrt(max(square, 0.0)) / base)
+        return rolled - turn + (at_end - past * (1.0 + widened)) / base + lag
 
     @property
     def undercut(self) -> bool:
         """Whether the fillet cuts into the involute."""
         return self.end[0] < math.pi / 2.0 - self.gear.pressure_angle
+
+
+def _arctan_lag(ratio: float) -> float:
+    """Return t - arctan(t), which starts as t^3/3, without loss of digits."""
+    return float(ratio**3 / 3.0 * hyp2f1(1.0, 1.5, 2.5, -(ratio**2)))

@@ -11,12 +11,11 @@ from scipy.integrate import solve_ivp
 
 from gearfem.assembly import assemble
 from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights, neutral
-from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.campaign import Campaign, Measurement, make_record
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.localise import localise
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
-from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, respond, tooth_columns
 from gearfem.diagnosis.zones import ZONES, in_zones, leading_teeth
@@ -120,17 +119,8 @@ def campaign(seed: int, extra: dict[float, Array] | None = None) -> Campaign:
     axis = 0.02 + np.arange(1400) * 4.1 * math.pi / 1400.0
     records = []
     for torque, role in ((10.0, "fit"), (60.0, "fit"), (150.0, "fit"), (100.0, "holdout")):
-        record = Measurement(
-            file=f"te_{torque:.0f}.csv",
-            quantity=QUANTITIES["static_transmission_error"],
-            axis=axis,
-            value=np.zeros(1400),
-            line=np.arange(1400),
-            keep=np.ones(1400, bool),
-            pinion_torque=torque,
-            noise_std=STD,
-            role=role,  # type: ignore[arg-type]
-        )
+        stated = {"file": f"te_{torque:.0f}.csv", "pinion_torque": torque, "noise_std": STD, "role": role}
+        record = make_record("static_transmission_error", axis, **stated)
         value = SPRINGS.predict(record, hidden(seed)) + rng.normal(0.0, STD, 1400) + rng.normal(0.0, 1e-5)
         records.append(dataclasses.replace(record, value=value + (extra or {}).get(torque, 0.0)))
     return Campaign(name="springs", path="campaign.toml", model="model.toml", setup=SETUP, angle_known=False, records=tuple(records))
@@ -275,17 +265,8 @@ def accelerated(axis: Array, speed: float) -> Array:
 def shaken(speed: float, stated: float) -> Measurement:
     """Return a record of the acceleration at one speed [rad/s] that states another one."""
     axis = np.arange(3000) * PITCH / 90.0
-    return Measurement(
-        file="acc.csv",
-        quantity=QUANTITIES["pinion_angular_acceleration"],
-        axis=axis,
-        value=accelerated(axis, speed) + np.random.default_rng(1).normal(0.0, 0.1, 3000),
-        line=np.arange(3000),
-        keep=np.ones(3000, bool),
-        pinion_torque=100.0,
-        pinion_speed=stated,
-        noise_std=0.1,
-    )
+    value = accelerated(axis, speed) + np.random.default_rng(1).normal(0.0, 0.1, 3000)
+    return make_record("pinion_angular_acceleration", axis, value, pinion_torque=100.0, pinion_speed=stated, noise_std=0.1)
 
 
 def test_a_speed_that_no_mesh_line_fits_is_refused() -> None:

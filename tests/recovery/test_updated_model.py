@@ -12,8 +12,7 @@ import pytest
 
 from gearfem.assembly import assemble
 from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Measurement
-from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.campaign import Measurement, make_record
 from gearfem.diagnosis.system_bench import STRIDE, SystemBench
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.catalogue import catalogue, read_effects
@@ -53,18 +52,8 @@ def settings() -> Settings:
 
 def measurement(quantity: str, axis: Array, speed: float = 0.0) -> Measurement:
     """Return a record without values."""
-    rows = np.arange(len(axis))
-    return Measurement(
-        file="a.csv",
-        quantity=QUANTITIES[quantity],
-        axis=axis,
-        value=np.zeros(len(axis)),
-        line=rows,
-        keep=rows >= 0,
-        pinion_torque=80.0,
-        pinion_speed=speed,
-        gear="pinion" if quantity == "pitch_deviation" else None,
-    )
+    gear = "pinion" if quantity == "pitch_deviation" else None
+    return make_record(quantity, axis, file="a.csv", pinion_torque=80.0, pinion_speed=speed, gear=gear)
 
 
 RECORDS = (

@@ -12,8 +12,7 @@ from gearfem.assembly import assemble
 from gearfem.definition.drive_parts import Support
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.campaign import Measurement
-from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.campaign import make_record
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.dynamics import DriveTrain, elastic_motion, modes, unloaded_transport
@@ -195,16 +194,7 @@ def test_a_train_over_a_number_moves_as_before(soft: System, forces: MeshForce) 
 def test_errors_of_teeth_come_through_on_supports_as_the_motion_has_them(soft: System, quantity: str) -> None:
     pair, bench = soft.setup.pair, SystemBench(system=soft, errors=())
     angle = 2.0 * math.pi + np.arange(600) / 600 * 2.0 * math.pi
-    record = Measurement(
-        file="record.csv",
-        quantity=QUANTITIES[quantity],
-        axis=angle,
-        value=np.zeros_like(angle),
-        line=np.arange(angle.size),
-        keep=np.ones(angle.size, bool),
-        pinion_torque=TORQUE,
-        pinion_speed=SPEED,
-    )
+    record = make_record(quantity, angle, pinion_torque=TORQUE, pinion_speed=SPEED)
     columns = tooth_columns(record, bench, neutral(pair), Scatter(terms=1))
     small, tooth = 2e-8, 7
     late = np.where(np.arange(pair.pinion.teeth) == tooth, small, 0.0)
@@ -219,15 +209,7 @@ def test_the_largest_kw_changes_with_the_tooth_where_it_is_largest(soft: System)
     """Of the two speeds, one lies on the modes: derivatives over single index errors are those of the acceleration at the peak."""
     pair, bench = soft.setup.pair, SystemBench(system=soft, errors=())
     speeds = np.array([SPEED, 2.3 * SPEED])
-    kw = Measurement(
-        file="kw.csv",
-        quantity=QUANTITIES["dynamic_factor"],
-        axis=speeds,
-        value=np.ones(2),
-        line=np.arange(2),
-        keep=np.ones(2, bool),
-        pinion_torque=TORQUE,
-    )
+    kw = make_record("dynamic_factor", speeds, pinion_torque=TORQUE)
     # Late teeth make one peak the largest, which small errors do not change.
     base = np.where(np.arange(pair.pinion.teeth) == 7, 2e-6, 0.0)
     start = Settings(pinion_late=base, wheel_late=np.zeros(pair.wheel.teeth))

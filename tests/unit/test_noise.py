@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.campaign import Measurement, make_record
 from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.whitening import make_whitener
 from gearfem.model import make_setup
 
@@ -29,17 +28,8 @@ STEP = 2.0 * math.pi / 733.0
 
 
 def measured(value: np.ndarray, **more: object) -> Measurement:
-    quantity = QUANTITIES["static_transmission_error"]
-    record = Measurement(
-        file="a.csv",
-        quantity=quantity,
-        axis=0.1 + STEP * np.arange(len(value)),
-        value=value,
-        line=np.arange(len(value)),
-        keep=np.ones(len(value), bool),
-        pinion_torque=50.0,
-    )
-    return dataclasses.replace(record, **more)
+    axis = 0.1 + STEP * np.arange(len(value))
+    return make_record("static_transmission_error", axis, value, **{"pinion_torque": 50.0, **more})
 
 
 def repeating(count: int, seed: int = 5) -> np.ndarray:

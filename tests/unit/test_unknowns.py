@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.campaign import Campaign, Measurement, make_record
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.unknowns import unknowns_of
 from gearfem.model import make_setup
@@ -25,17 +24,7 @@ SETUP = make_setup(
 
 
 def record(quantity: str) -> Measurement:
-    axis = np.linspace(0.0, 1.0, 50)
-    return Measurement(
-        file=f"{quantity}.csv",
-        quantity=QUANTITIES[quantity],
-        axis=axis,
-        value=np.zeros(50),
-        line=np.arange(50),
-        keep=np.ones(50, bool),
-        pinion_torque=50.0,
-        pinion_speed=100.0,
-    )
+    return make_record(quantity, np.linspace(0.0, 1.0, 50), pinion_torque=50.0, pinion_speed=100.0)
 
 
 def test_settings_are_found_again_from_their_unknowns() -> None:
