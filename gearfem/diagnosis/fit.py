@@ -131,7 +131,7 @@ def jacobian(problem: Problem, point: Point, fresh: bool = False) -> Array:
         step = step if value + step <= high[place] else -step
         ahead = values.copy()
         ahead[place] = min(max(value + step, low[place]), high[place])
-        moved = problem.predict(parameters.moved(point.effects, ahead), point.unknown)
+        moved = problem.predict(parameters.moved(point.effects, ahead), point.stood)
         change = problem.whiten(tuple(a - b for a, b in zip(moved, point.predicted, strict=True)))
         columns.append(change / (ahead[place] - value))
     return np.column_stack([*columns, problem.slopes(point) if fresh else problem.scales])
@@ -142,7 +142,8 @@ def _corrected(problem: Problem, derivatives: Array, point: Point, ahead: Point)
     sizes = np.concatenate([parameters.sizes(point.effects, problem.campaign.setup), np.ones(problem.outer)])
     moved = parameters.values(ahead.effects) - parameters.values(point.effects)
     step = np.concatenate([moved, ahead.unknown[: problem.outer] - point.unknown[: problem.outer]]) / sizes
-    change = problem.whiten(tuple(a - b for a, b in zip(ahead.predicted, point.predicted, strict=True)))
+    # Residuals, unlike predictions, hold no index errors, which move too.
+    change = point.residual - ahead.residual
     scaled = derivatives * sizes
     return np.asarray((scaled + np.outer(change - scaled @ step, step / (step @ step))) / sizes)
 

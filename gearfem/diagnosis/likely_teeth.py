@@ -9,23 +9,49 @@ import numpy as np
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.shapes import bounded
+from gearfem.diagnosis.shapes import PLACES, bounded, places_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array
 
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
 PER_PITCH = 48
+# Places about each one tried to which what is felt of an effect is moved along.
+ASIDE = 6
 # Teeth that are looked at in full, of each effect of one tooth.
 TEETH = 2
 
 
 def starts_of(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[Effect]:
-    """Return the typical effect, on the likeliest teeth where it acts on one."""
-    first = kind.example(problem.campaign.setup, member)
+    """Return the typical effect, on the likeliest teeth where it acts on one, and where it is likeliest on the flank of each."""
+    setup = problem.campaign.setup
+    first = kind.example(setup, member)
     if not hasattr(first, "tooth"):
         return [first]
-    gains = tooth_gains(problem, base, first)
-    return [dataclasses.replace(first, tooth=int(tooth)) for tooth in np.argsort(-gains)[:TEETH]]  # type: ignore[call-arg]
+    likeliest: dict[int, tuple[float, Effect]] = {}
+    for here in places_of(first, setup):
+        moved, turns = _aside(here, problem)
+        for effect, gains in zip(moved, tooth_gains(problem, base, here, turns), strict=True):
+            for tooth, gain in enumerate(gains.tolist()):
+                if gain >= likeliest.get(tooth, (0.0, first))[0]:
+                    likeliest[tooth] = gain, dataclasses.replace(effect, tooth=tooth)  # type: ignore[call-arg]
+    return [effect for _, effect in sorted(likeliest.values(), key=lambda item: -item[0])[:TEETH]]
+
+
+def _aside(effect: Effect, problem: Problem) -> tuple[list[Effect], Array]:
+    """Return an effect at places up and down the flank, half way to the next ones tried, and by how much later each is felt [rad].
+
+    The effect itself, not later, where it has no place.
+    """
+    setup = problem.campaign.setup
+    places = [field for field, known in effect.parameters().items() if known.place]
+    if not places:
+        return [effect], np.zeros(1)
+    (place,) = places
+    low, high = effect.parameters()[place].bounds(setup, effect.member)
+    moved = ((np.arange(ASIDE) + 0.5) / ASIDE - 0.5) * (high - low) / PLACES
+    forward = 1.0 if effect.member == "pinion" else -1.0
+    others = [dataclasses.replace(effect, **{place: float(getattr(effect, place) + by)}) for by in moved]
+    return others, forward * moved / setup.pair.pinion.base_radius
 
 
 def late_tooth(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[tuple[Effect, Array]]:
@@ -58,7 +84,7 @@ def late_tooth(problem: Problem, base: Fit, kind: type[Effect], member: Member) 
     return [(bounded(first.scaled(share, setup), setup), unknown)]
 
 
-def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
+def tooth_gains(problem: Problem, base: Fit, effect: Effect, later: Array) -> Array:
     """Return by how much an effect would lower the objective on each tooth of its gear, if the response were linear.
 
     Parameters
@@ -67,10 +93,12 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
         As for `rank`.
     effect : Effect
         On any tooth.
+    later : ndarray, shape (s,)
+        Turns of the pinion [rad] by which it may come later than it does.
 
     Returns
     -------
-    ndarray, shape (z,)
+    ndarray, shape (s, z)
 
     Notes
     -----
@@ -95,14 +123,15 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect) -> Array:
             continue
         turn = dataclasses.replace(record, axis=grid, value=grid, line=np.arange(len(grid)), keep=np.ones(len(grid), bool))
         responses.append(benches[0].predict(turn, settings) - benches[1].predict(turn, settings))
-    series = []
+    late, series = (later[:, None] + np.arange(teeth) * pitch).ravel(), []
     for record, response in zip(problem.records, responses, strict=True):
         if response is None:
-            series.append(np.zeros((len(record.axis), teeth)))
+            series.append(np.zeros((len(record.axis), late.size)))
             continue
-        later = (record.axis + base.settings.angle_offset)[:, None] - np.arange(teeth) * pitch
-        series.append(np.interp(later % (teeth * pitch), grid, response))
+        place = (record.axis + base.settings.angle_offset)[:, None] - late
+        series.append(np.interp(place % (teeth * pitch), grid, response))
     signatures = problem.whiten(tuple(series))
     gram, pull = problem.freed(base.point)(signatures)
     freed = np.diag(gram)
-    return np.asarray(np.where(freed > 0.0, pull**2 / np.maximum(freed, 1e-300), 0.0))
+    gains = np.where(freed > 0.0, pull**2 / np.maximum(freed, 1e-300), 0.0)
+    return np.asarray(gains.reshape(later.size, teeth))

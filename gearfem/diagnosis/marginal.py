@@ -69,6 +69,19 @@ class Marginal(Record):
         """Return the unknowns in prior deviations that leave least of whitened vectors, shapes (m,) or (m, p)."""
         return np.asarray(cho_solve(self._factor, self._pull(residual), check_finite=False))
 
+    def pulls(self, residual: Array) -> Array:
+        """Return what each record pulls at the unknowns at full weight, A_r' r_r of a whitened vector (m,), shape (r, k)."""
+        return np.stack([part.T @ residual[rows] for part, rows in zip(self.columns, self.rows, strict=True)])
+
+    def settle(self, pulls: Array, squares: Array) -> tuple[Array, Array]:
+        """Return the unknowns (k,) that leave least, and what they leave of the squares of each record (r,), from its `pulls`.
+
+        By products alone, without a row touched: good to 1e-15 of the squares before.
+        """
+        solved = np.asarray(cho_solve(self._factor, self.weights @ pulls, check_finite=False))
+        bent = np.array([solved @ (product @ solved) for product in self.products])
+        return solved, squares - 2.0 * pulls @ solved + bent
+
     def left(self, residual: Array) -> Array:
         """Return whitened vectors, shapes (m,) or (m, p), without the unknowns that fit them best."""
         return np.asarray(residual - self.moved(self.solve(residual)))

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter
+from gearfem.effects.effect import MEMBERS
 from gearfem.foundation import Array
 from gearfem.foundation.units import UM
 
-# Form errors that all teeth of a gear share, beside the waviness of each.
-COMMON_FORM = 0.1 * UM
+# Form errors that all teeth of a gear share, beside the waviness of each: of a sound flank, and as a share of what is missing from it,
+# since no relief, wear or slope has quite the shape that its name stands for.
+COMMON_FORM, SHAPE = 0.1 * UM, 0.1
 
 
 def model_form(record: Measurement, bench: SystemBench, settings: Settings, here: Array, teeth: Array, scatter: Scatter) -> Array:
@@ -39,11 +43,13 @@ def model_form(record: Measurement, bench: SystemBench, settings: Settings, here
         One column for each variant of the model, then the form errors that all teeth of the pinion, and of the wheel, share.
     """
     columns = [variant.predict(record, settings) - here for variant in bench.variants]
-    return np.column_stack([*columns, _common(teeth, bench.pair.pinion.teeth, scatter)])
+    return np.column_stack([*columns, _common(teeth, bench, scatter)])
 
 
-def _common(teeth: Array, z1: int, scatter: Scatter) -> Array:
+def _common(teeth: Array, bench: SystemBench, scatter: Scatter) -> Array:
     """Return the columns of form errors common to all teeth of either gear, shape (n, 2 terms)."""
+    z1 = bench.pair.pinion.teeth
     waves = teeth.reshape(len(teeth), -1, scatter.terms + 1)[:, :, 1:]
-    sizes = COMMON_FORM * np.sqrt((2.0 * np.arange(1, scatter.terms + 1) + 1.0) / scatter.terms)
-    return np.concatenate([waves[:, :z1].sum(axis=1) * sizes, waves[:, z1:].sum(axis=1) * sizes], axis=1)
+    sizes = np.sqrt((2.0 * np.arange(1, scatter.terms + 1) + 1.0) / scatter.terms)
+    pinion, wheel = (math.hypot(COMMON_FORM, SHAPE * bench.depth(gear)) * sizes for gear in MEMBERS)
+    return np.concatenate([waves[:, :z1].sum(axis=1) * pinion, waves[:, z1:].sum(axis=1) * wheel], axis=1)

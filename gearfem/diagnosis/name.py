@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -12,21 +13,25 @@ from gearfem.diagnosis.few import judge_few
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import identify
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.rank import rank, rank_again
-from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, way_of, without_one
+from gearfem.diagnosis.rank import STRAYED, rank, rank_again
+from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, label, way_of, without_one
 from gearfem.diagnosis.shapes import bounded
-from gearfem.diagnosis.verdict import Naming, judge
+from gearfem.diagnosis.verdict import Naming, gap_left, judge
 from gearfem.effects.effect import Effect
+from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Single effects, and further ones beside the best, that are fitted.
 FITTED, PAIRED = 8, 4
 # Cosine beyond which two responses count as one in the search.
 ALIKE = 0.999
-# Share of what counts as detected that an explanation must gain, or nothing is looked for beside it.
+# Share of what counts as detected that an explanation must gain, or nothing is looked for beside it; and that one must promise, or
+# records without a gap need no search.
 HOPELESS = 0.5
 # Explanations that are fitted again, with derivatives taken where they stand, before the search goes on; further ones after that.
 SETTLED, FURTHER_SETTLED = 4, 2
+# Shares of the first gear at which an effect of both gears is tried.
+SPLITS = (0.2, 0.35, 0.5, 0.65, 0.8)
 # What a candidate must promise to gain to be fitted.
 PROMISING = DETECTED / 8.0
 
@@ -53,7 +58,8 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     -----
     Forward selection with back-elimination, up to three effects; the first candidates are tried in pairs too. A score is the objective
     (what records cost by `profile`, and all nuisances, model form included, in prior deviations, squared) plus a cost for each
-    parameter, for the choice of a tooth and for a parameter at its bound. Leads need solid elements: the misalignment among the errors of
+    parameter, for the choice of a tooth and for a parameter at its bound. Records that nuisances within reason leave without a gap, and
+    where no candidate promises much, end before the search. Leads need solid elements: the misalignment among the errors of
     the model has computed them before the work is shared out.
     """
     search = Search(problem, alone)
@@ -61,6 +67,8 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     shown = identify(problem, alone, first)
     if alone.objective < search.detected:
         return judge_few(search, judge(search, shown), first, progress)
+    if _agrees(search, first):
+        return judge(search, shown)
     _singles(search, alone, first, progress)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
@@ -70,7 +78,8 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         if len(best.effects) != count or search.alone.objective - best.objective < HOPELESS * search.detected:
             break
         problem.prepare(best.effects, best.point.unknown)
-        again = [c for c in rank_again(problem, best, first, progress) if c.gain > PROMISING]
+        named = label(best.effects)
+        again = [c for c in rank_again(problem, best, first, progress) if c.gain > PROMISING and label((c.effect,))[0] not in named]
         setup = problem.campaign.setup
         starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in _of_each_way(_apart(again))]
         search.fit(starts, best, progress, "further effects")
@@ -90,6 +99,12 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     best = search.best()
     problem.prepare(best.effects, best.point.unknown)
     return judge(search, shown)
+
+
+def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
+    """Return whether nuisances alone leave no gap, do the work of no effect, and no candidate promises half of what a name needs."""
+    sound = gap_left(search.alone, search.problem) < 1.0 and search.astray(search.alone).max() < STRAYED
+    return sound and all(candidate.gain < HOPELESS * search.detected for candidate in candidates)
 
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
@@ -141,12 +156,24 @@ def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progre
 
 
 def _both_gears(search: Search) -> list[Start]:
-    """Return the best single effect of all teeth of a gear on both gears, each half as strong as it would be alone."""
+    """Return the best single effect of all teeth of a gear on both gears, each at a share of the strength that it would have alone."""
     best, setup = search.best(1), search.problem.campaign.setup
     alike = [fit for fit in search.first(len(search.fits)) if [type(e) for e in fit.effects] == [type(e) for e in best.effects]]
     if len(alike) < 2 or not best.effects[0].of_one_gear() or best.effects[0].repeats != "every tooth":
         return []
-    return [(tuple(bounded(fit.effects[0].scaled(0.5, setup), setup) for fit in alike[:2]), None)]
+    starts: list[Start] = []
+    for share in SPLITS:
+        parts = zip(alike[:2], (share, 1.0 - share), strict=True)
+        starts.append((tuple(bounded(fit.effects[0].scaled(part, setup), setup) for fit, part in parts), None))
+    problem, alone = search.problem, search.alone
+
+    def left(start: Start) -> float:
+        try:
+            return problem.at(start[0], search.start(start, alone)).objective
+        except (InputError, SolveError):
+            return math.inf
+
+    return [min(starts, key=left)]
 
 
 def _eliminate(search: Search) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
+
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, Record
 
@@ -37,3 +39,8 @@ class Point(Record):
     index: Array
     weights: Array
     objective: float
+
+    @property
+    def stood(self) -> Array:
+        """The unknowns of the prediction: index errors before they were solved for here, nothing else that is linear."""
+        return np.concatenate([self.unknown[: len(self.unknown) - len(self.index)], self.index])

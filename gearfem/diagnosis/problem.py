@@ -147,8 +147,10 @@ class Problem:
         index = index[self.outer :]
         residual = self._residual(predicted, index)
         deserved, rounds = (np.ones(len(self.records)), 3) if weights is None else (weights, rounds)
+        pulls, squares = self.linear.pulls(residual), self.squares(residual)
         for _ in range(rounds):
-            solved, cost, deserved = self._solve(residual, deserved)
+            solved, left = self.linear.weighed(deserved).settle(pulls, squares)
+            cost, deserved = profile(left, self.counts, self.floor, self.memory)
         return Point(
             effects=effects,
             unknown=np.concatenate([outer, solved]),
@@ -156,7 +158,7 @@ class Problem:
             residual=residual,
             index=index,
             weights=deserved,
-            objective=cost + float(outer @ outer),
+            objective=float(cost.sum() + solved @ solved + outer @ outer),
         )
 
     def left(self, point: Point) -> tuple[Array, ...]:
@@ -177,7 +179,7 @@ class Problem:
 
     def slopes(self, point: Point) -> Array:
         """Return the whitened derivatives of all records over the outer unknowns where a point stands, shape (m, outer)."""
-        bench, settings, outer = self.bench(point.effects), self.settings(point.unknown), point.unknown[: self.outer]
+        bench, settings, outer = self.bench(point.effects), self.settings(point.stood), point.unknown[: self.outer]
         both = zip(self.records, point.predicted, strict=True)
         return self.whiten(tuple(slopes(record, bench, settings, self.nuisances, outer, here) for record, here in both))
 
@@ -193,13 +195,6 @@ class Problem:
         """Return measured less predicted, whitened; the index errors, which the prediction holds, are put back by their columns."""
         misfit = self.whiten(tuple(record.value - part for record, part in zip(self.records, predicted, strict=True)))
         return misfit + self.linear.moved(index)
-
-    def _solve(self, residual: Array, weights: Array) -> tuple[Array, float, Array]:
-        """Return the linear unknowns that leave least of a residual, what it costs, and the weights that its records deserve."""
-        linear = self.linear.weighed(weights)
-        solved = linear.solve(residual)
-        cost, deserved = profile(self.squares(residual - linear.moved(solved)), self.counts, self.floor, self.memory)
-        return solved, float(cost.sum() + solved @ solved), deserved
 
     # ---- fitting --------------------------------------------------------------------------------
 

@@ -28,6 +28,8 @@ LIKELIEST = 2
 LOST = 5.0
 # Part of a response that nuisances leave of an effect below which only fits tell what it is worth beside others, once nuisances stray.
 VEILED = 0.05
+# Rounds of such a fit.
+UNVEILED = 4
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
 # Prior deviations from which on a nuisance is a finding itself.
@@ -127,16 +129,15 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
             break
         best = other
     if len(view.base.effects) == 1 and best.share < VEILED and strayed(view.problem, view.base):
-        fitted = _fitted(view, start, view.problem.unknowns.neutral(view.base.point.unknown))
-        return best if fitted is None or fitted.gain <= best.gain else fitted
+        # What nuisances do in its place shows where they stand as the model has them.
+        problem, neutral = view.problem, view.problem.unknowns.neutral(view.base.point.unknown)
+        fits = _fits(problem, [((*view.base.effects, best.effect), neutral)], UNVEILED, False, view.base.objective)
+        return max([best, *_candidates(view, fits)], key=lambda candidate: candidate.gain)
     return best
 
 
-def _fitted(view: View, start: Effect, unknown: Array | None = None) -> Candidate | None:
-    """Return an effect as fits from several places find it: one that cannot be scaled, or that changes motions which are far off anyway.
-
-    From the nuisances of the view's fit or others that may lead nearer, unless they are given.
-    """
+def _fitted(view: View, start: Effect) -> Candidate | None:
+    """Return an effect as fits from several places find it: one that cannot be scaled, or that changes motions which are far off anyway."""
     problem, base = view.problem, view.base
     if not any(record.quantity.moving for record in problem.records):
         return None
@@ -144,18 +145,23 @@ def _fitted(view: View, start: Effect, unknown: Array | None = None) -> Candidat
     starts = [
         ((*base.effects, effect), place)
         for effect in shapes_of(start, problem.campaign.setup)[:: 1 if lost else 2]
-        for place in ([unknown] if unknown is not None else _elsewhere(view, effect) or [base.point.unknown])
+        for place in (_elsewhere(view, effect) or [base.point.unknown])
     ]
-    found = _fits(problem, starts, 2, lost)
+    found = _fits(problem, starts, 2, lost, base.objective)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]
-    best = min(_fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost), key=lambda fit: fit.objective, default=None)
-    if best is None:
-        return None
-    signature = problem.whiten(tuple(a - b for a, b in zip(best.point.predicted, base.point.predicted, strict=True)))
-    if not signature @ signature > 0.0:
-        return None
-    standing = scored(best.effects[-1], signature, view.freed, problem.campaign.setup, best.point.unknown)
-    return dataclasses.replace(standing, gain=max(base.objective - best.objective, 0.0), amplitude=1.0)
+    candidates = _candidates(view, _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost, base.objective))
+    return max(candidates, key=lambda candidate: candidate.gain, default=None)
+
+
+def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:
+    """Return the last effect of each fit as it stands there; its signature is what it changes of the view's prediction."""
+    problem, base, found = view.problem, view.base, []
+    for fit in fits:
+        signature = problem.whiten(tuple(a - b for a, b in zip(fit.point.predicted, base.point.predicted, strict=True)))
+        if signature @ signature > 0.0:
+            standing = scored(fit.effects[-1], signature, view.freed, problem.campaign.setup, fit.point.unknown)
+            found.append(dataclasses.replace(standing, gain=max(base.objective - fit.objective, 0.0), amplitude=1.0))
+    return found
 
 
 def _lost(view: View) -> bool:
@@ -169,11 +175,13 @@ def strayed(problem: Problem, fit: Fit) -> bool:
     return bool(np.abs(fit.point.unknown[problem.unknowns.scales]).max(initial=0.0) > STRAYED)
 
 
-def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, fresh: bool) -> list[Fit]:
+def _fits(
+    problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, fresh: bool, hopeless: float = np.inf
+) -> list[Fit]:
     found = []
     for effects, unknown in starts:
         with contextlib.suppress(InputError, SolveError):
-            found.append(problem.fit(effects, unknown, rounds, fresh=fresh))
+            found.append(problem.fit(effects, unknown, rounds, hopeless, fresh))
     return found
 
 

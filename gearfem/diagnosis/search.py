@@ -11,6 +11,7 @@ import numpy as np
 from scipy.stats import median_abs_deviation
 
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import STRAYED
 from gearfem.diagnosis.side_by_side import side_by_side
@@ -29,6 +30,8 @@ IMITATED = 0.01
 FURTHER, FURTHER_OTHER = 0.05, 0.01
 # Prior deviations at which a nuisance costs as much as a name must gain; from `STRAYED` on it costs something.
 LOST = 5.0
+# An effect is named from twice the strength on at which errors of our model imitate it.
+MIMICKED = 0.5
 # Most effects of an explanation.
 MOST = 3
 # Rivals that are fitted again beside the best explanation: those within this share of what it gains.
@@ -36,6 +39,8 @@ NEAR, RIVALS = 0.3, 3
 # Most rounds in which an explanation is fitted again, and the share of the objective that one must gain for the next; what a fit may leave
 # of a record, over what can be expected, before another start is tried.
 AGAIN, WORTH, FAR = 3, 0.01, 2.0
+# Share of what counts as detected that a fit with a further effect must promise to gain beside the one it builds on, or it is given up.
+LITTLE = 0.25
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 
@@ -50,16 +55,18 @@ class Search:
         self.problem, self.alone = problem, alone
         self.fits: dict[tuple[object, ...], Fit] = {(): alone}
         self.rows = len(alone.white)
+        self._mimicked: dict[int, tuple[Fit, tuple[float, ...]]] = {}
 
     def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects") -> None:
         """Fit sets of effects, each set of names, gears and teeth once."""
         new = [start for start in starts if label(start[0]) not in self.fits]
         best = min(fit.objective for fit in self.fits.values())
-        worth = self.alone.objective - 0.5 * (self.alone.objective - best)
+        worth, further = self.alone.objective - 0.5 * (self.alone.objective - best), base.objective - LITTLE * self.detected
 
         def one(start: Start) -> Fit | None:
+            hopeless = further if base.effects and len(start[0]) > len(base.effects) else worth
             try:
-                return self.problem.fit(start[0], self.start(start, base), hopeless=worth)
+                return self.problem.fit(start[0], self.start(start, base), hopeless=hopeless)
             except (InputError, SolveError):
                 return None
 
@@ -125,17 +132,20 @@ class Search:
 
     def score(self, fit: Fit) -> float:
         """Return the score of a fit; lower is better. Nuisances that do the work of an effect cost as one must gain."""
-        beyond = np.maximum(self._astray(fit) ** 2 - STRAYED**2, 0.0)
+        beyond = np.maximum(self.astray(fit) ** 2 - STRAYED**2, 0.0)
         strayed = float(beyond.sum()) / (LOST**2 - STRAYED**2) * self.detected
         return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound) + strayed
 
-    def _astray(self, fit: Fit) -> Array:
-        """Return scales in prior deviations, and the index error that stands out most on either gear in deviations of its other teeth."""
+    def astray(self, fit: Fit) -> Array:
+        """Return scales and errors of our model in prior deviations, and the index error that stands out most on either gear.
+
+        The latter in deviations of the gear's other teeth.
+        """
         unknowns, z1 = self.problem.unknowns, self.problem.campaign.setup.pair.pinion.teeth
         late = fit.point.unknown[unknowns.late]
         gears = late[:z1], late[z1:]
         out = [np.abs(gear - np.median(gear)).max() / max(1.0, float(median_abs_deviation(gear, scale="normal"))) for gear in gears]
-        return np.concatenate([fit.point.unknown[unknowns.scales], out])
+        return np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], out])
 
     @property
     def detected(self) -> float:
@@ -143,7 +153,7 @@ class Search:
         return max(DETECTED, IMITATED * self.rows)
 
     def best(self, most: int = MOST) -> Fit:
-        """Return the fit of the best score; effects beside the first pay for themselves too."""
+        """Return the fit of the best score of which our own errors imitate no effect; effects beside the first pay for themselves too."""
         least = min(fit.objective for fit in self.fits.values())
         like, other = (max(self.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER))
 
@@ -152,7 +162,15 @@ class Search:
             further = like * (len(fit.effects) - ways) + other * max(ways - 1, 0)
             return self.score(fit) + further
 
-        return min((fit for fit in self.fits.values() if len(fit.effects) <= most), key=price)
+        ranked = sorted((fit for fit in self.fits.values() if len(fit.effects) <= most), key=price)
+        return next(fit for fit in ranked if not self.imitated(fit))
+
+    def imitated(self, fit: Fit) -> tuple[Effect, ...]:
+        """Return the effects of a fit that errors of our model imitate at half their strength or more."""
+        if id(fit) not in self._mimicked:
+            self._mimicked[id(fit)] = (fit, mimicked(self.problem, fit))
+        _, shares = self._mimicked[id(fit)]
+        return tuple(effect for effect, share in zip(fit.effects, shares, strict=True) if share > MIMICKED)
 
 
 def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, before: float = math.inf) -> Fit:

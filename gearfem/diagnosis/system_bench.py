@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from gearfem.assembly import assemble
-from gearfem.definition.setup import GearPair
+from gearfem.definition.setup import GearPair, Member
 from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.variants import VARIANTS, Variant
@@ -26,6 +26,8 @@ from gearfem.sensing.requests import observe, requests
 
 # Part of the mean load below which the flanks of a motion count as apart.
 LEAST_LOAD = 0.02
+# Places of the path of contact at which the depth of a flank is averaged.
+DEPTHS = 101
 # Longest step of motions by 1/omega_n: an error far below what a motion is expected to be predicted to (see `march_turns`).
 STRIDE = 0.5
 
@@ -66,6 +68,16 @@ class SystemBench(Record):
     def variants(self) -> tuple[SystemBench, ...]:
         """The same model with each of its errors, at one standard deviation."""
         return tuple(SystemBench(system=variant.change(self.system), errors=()) for variant in self.errors)
+
+    def depth(self, gear: Member) -> float:
+        """Return the root mean square of what is missing from the flanks of a gear over the path of contact [m]; odd teeth do not count."""
+        deviation, pair = self.system.flanks.of(gear).deviation, self.pair
+        if deviation is None:
+            return 0.0
+        path = np.linspace(-pair.approach_length, pair.recess_length, DEPTHS)
+        base, sign = (pair.wheel.base_radius, -1.0) if gear == "wheel" else (pair.pinion.base_radius, 1.0)
+        depth = deviation.at(base * math.tan(pair.working_pressure_angle) + sign * path)
+        return float(np.sqrt(np.mean(depth**2)))
 
     def predict(self, record: Measurement, settings: Settings) -> Array:
         """Return what the record would read [SI], shape (n,)."""

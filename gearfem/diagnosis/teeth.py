@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
+from types import ModuleType
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -192,17 +194,29 @@ def respond(errors: Array, rates: Array, swing: Swing, step: float, acceleration
     springs = train.by_place[:count] + swing.stiffness[:, None, None] * pushed
     dampers = train.by_rate[:count] + damp * pushed
     solved = np.linalg.inv(np.eye(count) - 0.25 * step**2 * springs - 0.5 * step * dampers)
-    load = -(swing.stiffness[:, None] * errors + damp * rates)
-    place, rate, pull = (np.zeros((count, errors.shape[1])) for _ in range(3))
-    place[0] = errors[0]
     out = np.empty_like(errors)
-    for number, spring in enumerate(springs):
-        if number:
-            ahead, faster = place + step * rate + 0.25 * step**2 * pull, rate + 0.5 * step * pull
-            pull = solved[number] @ (spring @ ahead + dampers @ faster + by_force[:count, None] * load[number])
-            place, rate = ahead + 0.25 * step**2 * pull, faster + 0.5 * step * pull
-        out[number] = place[0]
-        if acceleration:
-            force = swing.stiffness[number] * (train.touch @ place) + damp * (train.touch @ rate) + load[number]
-            out[number] = train.by_place[count] @ place + train.by_rate[count] @ rate + by_force[count] * force
+    _kernel().follow(
+        errors,
+        rates,
+        swing.stiffness,
+        damp,
+        springs,
+        dampers,
+        solved,
+        by_force,
+        train.touch,
+        train.by_place[count],
+        train.by_rate[count],
+        step,
+        acceleration,
+        out,
+    )
     return out
+
+
+@functools.cache
+def _kernel() -> ModuleType:
+    """Return the compiled loop; the first call of a process loads the compiler (or its cached code)."""
+    from gearfem.diagnosis import response_kernel as module
+
+    return module

@@ -7,12 +7,14 @@ from collections.abc import Callable
 
 from gearfem.compliance.body import scale_body
 from gearfem.contact.scaled import ScaledLaw
+from gearfem.effects.centre_distance import CentreDistance
 from gearfem.effects.lead_misalignment import LeadMisalignment
 from gearfem.flank import Outline
 from gearfem.foundation.units import UM
 from gearfem.sensing import System
 
-MISALIGNED = 1.0 * UM
+# Housings and bearings hold shafts to some hundredths of a millimetre.
+MISALIGNED, MISPLACED = 1.0 * UM, 20.0 * UM
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -73,8 +75,13 @@ def _misaligned(system: System) -> System:
     return dataclasses.replace(system, flanks=effect.act(system.flanks, system.setup))
 
 
-# Sizes: what independent ways of computing each part differ by (Hertz depth rules, body formulae), and friction and
-# alignment that nobody measured.
+def _misplaced(system: System) -> System:
+    effect = CentreDistance(amount=MISPLACED)
+    return dataclasses.replace(system, placement=effect.act(system.placement, system.setup))
+
+
+# Sizes: what independent ways of computing each part differ by (Hertz depth rules, body formulae), and friction,
+# alignment and centre distance that nobody measured.
 VARIANTS = (
     Variant(words="contact law, 20 %", change=_contact(1.20)),
     Variant(words="gear bodies, 20 %", change=_body(1.20)),
@@ -82,4 +89,5 @@ VARIANTS = (
     Variant(words="tooth friction, 0.02", change=_friction(0.02)),
     Variant(words="tip edges, from 0.02 to 0.005 modules", change=_sharp_edges),
     Variant(words="misalignment, 1 um over the face width", change=_misaligned),
+    Variant(words="centre distance, 20 um", change=_misplaced),
 )

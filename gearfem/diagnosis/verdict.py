@@ -102,14 +102,17 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     gained = scores[()] - own
     closed = closure(alone, best, search.problem)
     threshold = max(THRESHOLD, SHAPE * gained)
+    others = [(fit, scores[key] - own) for key, fit in search.fits.items() if fit is not best and fit.effects]
+    others.sort(key=lambda item: item[1])
+    # Only those that come near are worth the question.
+    imitated = {id(fit): search.imitated(fit) for fit, worse in others if worse < threshold}
     rivals = tuple(
-        Rival(effects=fit.effects, score_difference=scores[key] - own, why=_why(fit, best, scores[key] - own, threshold))
-        for key, fit in sorted(search.fits.items(), key=lambda item: scores[item[0]])
-        if fit is not best and fit.effects
+        Rival(effects=fit.effects, score_difference=worse, why=_why(fit, best, worse, threshold, imitated.get(id(fit), ())))
+        for fit, worse in others
     )
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
-    close = [r for r in rivals if r.score_difference < threshold and len(r.effects) <= len(best.effects)]
+    close = [fit for fit, worse in others if worse < threshold and len(fit.effects) <= len(best.effects) and not imitated[id(fit)]]
     if not best.effects or gained < search.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
     elif remains > 1.0 and (closed < STANDS or remains > REST):
@@ -167,12 +170,12 @@ def closure(alone: Fit, best: Fit, problem: Problem) -> float:
 def gap_left(fit: Fit, problem: Problem) -> float:
     """Return what a fit leaves; above 1 is a gap: the geometric mean over the rows of the mean squares over what can be expected, or 1.
 
-    Slow records and motions by themselves, in parts of what counts as a gap of each; the larger one, so that many records without a gap
-    do not hide the others.
+    Slow records, motions and gears off the rig by themselves, in parts of what counts as a gap of each; the largest one, so that many
+    records without a gap do not hide the others.
     """
     above = np.log(np.maximum(fit.squares / problem.floor, 1.0))
-    moving = np.array([record.quantity.moving for record in problem.records])
-    kinds = ((~moving, GAP_SLOW), (moving, GAP_MOVING))
+    moving, off_rig = (np.array([getattr(record.quantity, kind) for record in problem.records]) for kind in ("moving", "of_gear"))
+    kinds = ((~moving & ~off_rig, GAP_SLOW), (moving, GAP_MOVING), (off_rig, GAP_SLOW))
     return max(math.exp(float(problem.counts[kind] @ above[kind] / problem.counts[kind].sum())) / gap for kind, gap in kinds if kind.any())
 
 
@@ -187,11 +190,13 @@ def _p_value(search: Search, best: Fit, number: int) -> float:
     return min(1.0, trials * float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters()))))
 
 
-def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
+def _why(fit: Fit, best: Fit, difference: float, threshold: float, imitated: tuple[Effect, ...]) -> str:
+    if imitated:
+        return f"{imitated[0].describe()}: errors of our own model would be taken for half of it or more"
+    if best.effects and set(label(best.effects)) < set(label(fit.effects)):
+        return f"gains less by what it has beside the named effects than a further name must (score worse by {difference:.1f})"
     if difference < threshold:
         return f"cannot be told apart: its score is worse by {difference:.1f}, less than {threshold:.1f}"
-    if set(label(best.effects)) < set(label(fit.effects)):
-        return f"explains no more than its further parameters cost (score worse by {difference:.1f})"
     return f"leaves more of the gap: score worse by {difference:.1f}"
 
 

@@ -51,6 +51,8 @@ class Parameter:
         Value at which the effect does nothing. A parameter without one says where or how the effect acts.
     reciprocal : bool
         Whether the effect grows with the reciprocal of the value (a frequency that is infinite at no effect).
+    place : bool
+        Whether it says where on the flank the effect lies, which may be anywhere between the bounds.
     """
 
     words: str
@@ -60,6 +62,7 @@ class Parameter:
     typical: Size
     neutral: Size | None = None
     reciprocal: bool = False
+    place: bool = False
 
     def bounds(self, setup: Setup, member: Member) -> tuple[float, float]:
         """Return both bounds for a gear of a pair."""
@@ -91,9 +94,10 @@ def parameter(
     typical: Size,
     neutral: Size | None = None,
     reciprocal: bool = False,
+    place: bool = False,
 ) -> Any:
     """Declare a parameter: the default of a dataclass field of an effect. Arguments as those of `Parameter`."""
-    declared = Parameter(words=words, unit=unit, low=low, high=high, typical=typical, neutral=neutral, reciprocal=reciprocal)
+    declared = Parameter(words=words, unit=unit, low=low, high=high, typical=typical, neutral=neutral, reciprocal=reciprocal, place=place)
     return dataclasses.field(metadata={"parameter": declared})
 
 

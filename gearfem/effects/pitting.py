@@ -29,7 +29,12 @@ class Pitting(Effect):
     tooth: int
     depth: float = parameter("depth in the middle", "um", low=0.0, high=modules(0.1), typical=modules(0.005), neutral=0.0)
     centre: float = parameter(
-        "middle of the hollow, as roll length from the base circle", "mm", low=up_flank(0.0), high=up_flank(1.0), typical=up_flank(0.4)
+        "middle of the hollow, as roll length from the base circle",
+        "mm",
+        low=up_flank(0.0),
+        high=up_flank(1.0),
+        typical=up_flank(0.4),
+        place=True,
     )
     width: float = parameter("roll length from end to end", "mm", low=of_flank(0.05), high=of_flank(1.0), typical=of_flank(0.3))
 

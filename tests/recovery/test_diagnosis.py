@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +15,20 @@ from click.testing import CliRunner
 from gearfem.assembly import assemble
 from gearfem.cli import main
 from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, prove, read_campaign, write_diagnosis
+from gearfem.diagnosis.fit import jacobian
+from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.write import as_json
 from gearfem.effects.catalogue import catalogue
+from gearfem.effects.contact_compliance import ContactCompliance
+from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.runout import Runout
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation import InputError
 from gearfem.foundation.toml import write_toml
 from gearfem.foundation.units import MM, UM
-from gearfem.model import load_model
+from gearfem.model import load_model, make_setup
 from gearfem.report import write_diagnosis_report
 from gearfem.rig import measure, read_plan
 from gearfem.sensing import observe, requests
@@ -128,6 +134,47 @@ def test_a_measurement_that_cannot_decide_is_not_suggested(found: Diagnosis) -> 
     assert ranked[0].separation > 5.0
 
 
+def test_derivatives_are_those_of_the_effects_and_not_of_index_errors_that_were_just_solved(found: Diagnosis) -> None:
+    problem, effects = found.problem, found.naming.fit.effects
+    start = problem.prepare(effects, np.zeros_like(found.naming.fit.point.unknown))
+    point, step = problem.at(effects, start), 0.01 * effects[0].amount
+    (ahead,) = (dataclasses.replace(effect, amount=effect.amount + step) for effect in effects)
+    # Both predictions hold the index errors of the start.
+    change = (point.residual - problem.at((ahead,), start).residual) / step
+    assert np.abs(point.unknown[problem.unknowns.late]).max() > 0.2
+    assert np.linalg.norm(jacobian(problem, point)[:, 0] - change) < 0.03 * np.linalg.norm(change)
+
+
+def test_a_shape_may_be_wrong_by_a_share_of_its_depth(found: Diagnosis) -> None:
+    amount = 10.0 * UM
+    bench = found.problem.bench((ProfileSlope(gear="pinion", amount=amount),))
+    # A straight line over the path of contact, from nothing to the whole amount.
+    assert bench.depth("pinion") == pytest.approx(amount / math.sqrt(3.0), rel=0.02, abs=0.0)
+    assert bench.depth("wheel") == 0.0
+
+
+@pytest.mark.parametrize(("scale", "least", "most"), [(1.2, 0.99, 1.5), (3.0, 0.05, 0.4)])
+def test_an_effect_as_strong_as_an_error_of_the_model_is_imitated_by_it(found: Diagnosis, scale: float, least: float, most: float) -> None:
+    """One of the errors of the model is a contact that yields 1.2 times as much."""
+    problem, effects = found.problem, (ContactCompliance(scale=scale),)
+    start = problem.prepare((), np.zeros_like(found.naming.fit.point.unknown))
+    (share,) = mimicked(problem, problem.fit(effects, start, rounds=0))
+    assert least < share < most
+
+
+def test_records_that_agree_end_before_the_search(tmp_path: Path) -> None:
+    write_toml(tmp_path / "true.toml", NOMINAL)
+    write_toml(tmp_path / "plan.toml", PLAN)
+    true = load_model(tmp_path / "true.toml")
+    measure(true, read_plan(tmp_path / "plan.toml", true.pair), NOMINAL, tmp_path / "rig")
+    steps: list[str] = []
+    kinds, measured = choose(catalogue(), ["tip_relief", "pitch_error"]), read_campaign(tmp_path / "rig" / "campaign.toml")
+    naming = diagnose(measured, kinds, lambda words, done, total: steps.append(words)).naming
+    assert naming.verdict == "no_discrepancy"
+    assert "candidates" in steps
+    assert "single effects" not in steps
+
+
 def test_only_and_exclude_refuse_names_that_do_not_exist() -> None:
     with pytest.raises(InputError, match="tip_relief"):
         choose(catalogue(), ["tiprelief"])
@@ -169,6 +216,21 @@ def test_a_record_of_unknown_first_tooth_is_turned_until_it_fits(tmp_path: Path)
     assert held.smooth.size == 0
     assert held.rms(held.after) == pytest.approx(0.5 * UM, rel=0.4, abs=0.0)
     assert proof.stands
+
+
+def test_a_narrow_pit_is_found_wherever_it_lies_on_the_flank(tmp_path: Path) -> None:
+    low, high = Pitting.parameters()["centre"].bounds(make_setup(NOMINAL), "wheel")
+    centre = low + 0.5 * (high - low)
+    hidden = {"name": "pitting", "gear": "wheel", "tooth": 4, "depth_um": 20.0, "centre_mm": centre / MM, "width_mm": 1.2}
+    write_toml(tmp_path / "true.toml", NOMINAL | {"effect": [hidden]})
+    write_toml(tmp_path / "plan.toml", PLAN)
+    true = load_model(tmp_path / "true.toml")
+    measure(true, read_plan(tmp_path / "plan.toml", true.pair), NOMINAL, tmp_path / "rig")
+    naming = diagnose(read_campaign(tmp_path / "rig" / "campaign.toml"), choose(catalogue(), ["pitting"])).naming
+    (found,) = naming.fit.effects
+    assert naming.verdict == "explained"
+    assert (found.gear, found.tooth) == ("wheel", 4)
+    assert found.centre == pytest.approx(centre, rel=0.0, abs=0.3 * MM)
 
 
 def test_a_tooth_out_of_place_is_named_and_not_taken_for_scatter(tmp_path: Path) -> None:

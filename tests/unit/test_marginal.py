@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from gearfem.diagnosis.marginal import memory_of, profile
+from gearfem.diagnosis.marginal import marginal, memory_of, profile
 
 FLOOR, MEMORY = np.array([1.5]), np.array([20.0])
 ROWS = np.array([1000.0])
@@ -51,3 +51,14 @@ def test_memory_is_bartletts_number_of_rows(rho: float) -> None:
 
 def test_noise_alone_has_no_memory() -> None:
     assert memory_of(0.99 * np.random.default_rng(5).standard_normal(4000)) == 1.0
+
+
+def test_products_alone_settle_what_the_rows_do() -> None:
+    rng = np.random.default_rng(5)
+    columns = tuple(rng.standard_normal((rows, 4)) for rows in (30, 50))
+    whole, residual = marginal(columns).weighed(np.array([0.3, 1.0])), 100.0 * rng.standard_normal(80)
+    squares = np.array([part @ part for part in (residual[:30], residual[30:])])
+    solved, left = whole.settle(whole.pulls(residual), squares)
+    rows = residual - whole.moved(whole.solve(residual))
+    np.testing.assert_allclose(solved, whole.solve(residual), rtol=1e-12)
+    np.testing.assert_allclose(left, [rows[:30] @ rows[:30], rows[30:] @ rows[30:]], rtol=1e-12)
