@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.problem import Problem
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array
 
 
 def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
@@ -22,13 +25,15 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     -------
     tuple of float
         The root of the sum of squares over all variants of the model and common form errors, each at one standard deviation: of what each
-        would be taken for if this effect were free beside the others of the fit and all nuisances.
+        would be taken for if this effect were free beside the others of the fit and all nuisances. Form errors are those that flanks
+        without the effect have: how far its own shape may differ from its name imitates nothing.
     """
     point, count = fit.point, problem.unknowns.first_form - problem.outer
     if not fit.effects:
         return ()
-    without = (problem.predict(fit.effects[:out] + fit.effects[out + 1 :], point.stood) for out in range(len(fit.effects)))
-    responses = [problem.whiten(tuple(a - b for a, b in zip(point.predicted, bare, strict=True))) for bare in without]
+    without = [fit.effects[:out] + fit.effects[out + 1 :] for out in range(len(fit.effects))]
+    bare = (problem.predict(others, point.stood) for others in without)
+    responses = [problem.whiten(tuple(a - b for a, b in zip(point.predicted, left, strict=True))) for left in bare]
     form = np.concatenate([part[:, count:] for part in problem.linear.columns])
     vectors = np.column_stack([*responses, form, problem.scales])
     gram, _ = problem.linear.first(count).weighed(point.weights).measure(vectors, point.residual)
@@ -39,5 +44,14 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
         others = [place for place in (*range(size), *range(len(gram) - outer, len(gram))) if place != own]
         shared = np.linalg.lstsq(gram[np.ix_(others, others)], gram[others, own], rcond=1e-12)[0]
         freed = gram[own] - shared @ gram[others]
-        found.append(float(np.linalg.norm(freed[size : len(gram) - outer]) / max(freed[own], 1e-300)))
+        errors = _form_scales(problem, without[own], form.shape[1])
+        found.append(float(np.linalg.norm(errors * freed[size : len(gram) - outer]) / max(freed[own], 1e-300)))
     return tuple(found)
+
+
+def _form_scales(problem: Problem, effects: tuple[Effect, ...], count: int) -> Array:
+    """Return by how much smaller errors of the model are under effects than under those of the columns, shape (count,)."""
+    terms, scales = problem.unknowns.scatter.terms, np.ones(count)
+    parts = zip(form_errors(problem.bench(effects)), form_errors(problem.bench(problem.effects)), strict=True)
+    scales[count - 2 * terms :] = np.repeat([here / prepared for here, prepared in parts], terms)
+    return scales

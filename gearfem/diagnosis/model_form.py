@@ -46,10 +46,16 @@ def model_form(record: Measurement, bench: SystemBench, settings: Settings, here
     return np.column_stack([*columns, _common(teeth, bench, scatter)])
 
 
+def form_errors(bench: SystemBench) -> tuple[float, float]:
+    """Return the deviation of the form that all teeth of the pinion, and of the wheel, share [m]."""
+    pinion, wheel = (math.hypot(COMMON_FORM, SHAPE * bench.depth(gear)) for gear in MEMBERS)
+    return pinion, wheel
+
+
 def _common(teeth: Array, bench: SystemBench, scatter: Scatter) -> Array:
     """Return the columns of form errors common to all teeth of either gear, shape (n, 2 terms)."""
     z1 = bench.pair.pinion.teeth
     waves = teeth.reshape(len(teeth), -1, scatter.terms + 1)[:, :, 1:]
     sizes = np.sqrt((2.0 * np.arange(1, scatter.terms + 1) + 1.0) / scatter.terms)
-    pinion, wheel = (math.hypot(COMMON_FORM, SHAPE * bench.depth(gear)) * sizes for gear in MEMBERS)
+    pinion, wheel = (size * sizes for size in form_errors(bench))
     return np.concatenate([waves[:, :z1].sum(axis=1) * pinion, waves[:, z1:].sum(axis=1) * wheel], axis=1)

@@ -127,7 +127,10 @@ def _apart(candidates: Sequence[Candidate]) -> list[Candidate]:
     kept: list[Candidate] = []
     for candidate in candidates:
         own = candidate.signature / np.linalg.norm(candidate.signature)
-        if all(abs(own @ other.signature) < ALIKE * np.linalg.norm(other.signature) for other in kept):
+        # Those that were fitted from other nuisances differ from the base by these too, which are alike.
+        if candidate.unknown is not None or all(
+            abs(own @ other.signature) < ALIKE * np.linalg.norm(other.signature) for other in kept if other.unknown is None
+        ):
             kept.append(candidate)
     return kept
 
@@ -151,8 +154,10 @@ def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progre
     chosen = [pair for gain, pair in gains if gain > single + DETECTED][:1]
     setup = search.problem.campaign.setup
     starts: list[Start] = [(tuple(candidate.start(setup) for candidate in pair), pair[0].unknown) for pair in chosen]
-    starts += _both_gears(search)
-    search.fit(starts, alone, progress, "pairs of effects")
+    both = _both_gears(search)
+    search.fit([*starts, *both], alone, progress, "pairs of effects")
+    # It starts far from where it ends: a first look says little.
+    search.settle([search.fits[key] for key in (label(start[0]) for start in both) if key in search.fits], progress, "both gears")
 
 
 def _both_gears(search: Search) -> list[Start]:

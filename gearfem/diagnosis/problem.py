@@ -51,6 +51,8 @@ class Problem:
 
     Attributes
     ----------
+    effects : tuple of Effect
+        Under which it was prepared last.
     columns : tuple of ndarray, shapes (n, i)
         Of each record over the inner unknowns in prior deviations [SI], once prepared.
     scales : ndarray, shape (m, outer)
@@ -62,6 +64,7 @@ class Problem:
         the model stay alike.
     """
 
+    effects: tuple[Effect, ...]
     columns: tuple[Array, ...]
     scales: Array
     linear: Marginal
@@ -115,6 +118,7 @@ class Problem:
         ndarray, shape (k,)
             The unknowns, completed by zeros where there were fewer.
         """
+        self.effects = effects
         self.columns, self.whole = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
         inner = self.columns[0].shape[1]
         self.linear = self.whole.first(inner)

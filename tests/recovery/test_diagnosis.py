@@ -162,6 +162,17 @@ def test_an_effect_as_strong_as_an_error_of_the_model_is_imitated_by_it(found: D
     assert least < share < most
 
 
+def test_how_far_a_shape_may_be_wrong_imitates_another_effect_and_not_its_own(found: Diagnosis) -> None:
+    problem, slope = found.problem, ProfileSlope(gear="pinion", amount=60.0 * UM)
+    small = TipRelief(gear="pinion", amount=3.0 * UM, length=2.0 * MM)
+    start = problem.prepare((slope, small), np.zeros_like(found.naming.fit.point.unknown))
+    own, other = mimicked(problem, problem.fit((slope, small), start, rounds=0))
+    start = problem.prepare((small,), np.zeros_like(found.naming.fit.point.unknown))
+    (alone,) = mimicked(problem, problem.fit((small,), start, rounds=0))
+    assert own < 0.2
+    assert other > 3.0 * alone
+
+
 def test_records_that_agree_end_before_the_search(tmp_path: Path) -> None:
     write_toml(tmp_path / "true.toml", NOMINAL)
     write_toml(tmp_path / "plan.toml", PLAN)
