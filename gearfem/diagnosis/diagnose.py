@@ -22,6 +22,8 @@ from gearfem.foundation.progress import Progress, quiet
 
 # What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed.
 OPEN, CLOSES = 2.0, 0.5
+# What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation.
+WORSE = 0.97
 # Most rounds in which derivatives are taken again; draws of noise behind each map.
 SETTLED, DRAWS = 3, 100
 
@@ -114,14 +116,25 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     naming = name(problem, alone, kinds, progress)
     after = localise(comparison, naming.fit, DRAWS, progress=progress) if naming.fit.effects else before
     proof = prove(problem, naming.fit, naming.alone, progress)
-    naming = _held(naming, proof)
+    held = _held(naming, proof)
+    if held.fit is not naming.fit:
+        after, proof = before, prove(problem, held.fit, held.alone, progress)
+    naming = held
     draft = Diagnosis(comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=())
     rivals = [rival.effects for rival in draft.alternatives]
     return dataclasses.replace(draft, suggestions=suggest(problem, naming.fit, rivals, progress)) if rivals else draft
 
 
 def _held(naming: Naming, proof: Proof) -> Naming:
-    """Return the verdict as the records held out leave it: a gap that stays open there is not explained."""
+    """Return the verdict as the records held out leave it.
+
+    A gap that stays open there is not explained, and effects that do worse there than nuisances alone are no explanation.
+    """
+    if naming.verdict in ("explained", "partly_explained") and proof.over_nuisances is not None and proof.over_nuisances < WORSE:
+        reason = f"On records held out, {naming.fit.effects[0].name} and what stands beside it leave more than nuisances alone."
+        sentence = sentence_of("unexplained", naming.alone, naming.closed)
+        changes = {"verdict": "unexplained", "fit": naming.alone, "p_values": (), "sentence": sentence}
+        return dataclasses.replace(naming, **changes, reasons=(*naming.reasons, reason))  # type: ignore[arg-type]
     open_gaps = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms and gap.closure < CLOSES]
     if naming.verdict != "explained" or not open_gaps:
         return naming

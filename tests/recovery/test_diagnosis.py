@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from gearfem.assembly import assemble
 from gearfem.cli import main
 from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, prove, read_campaign, write_diagnosis
+from gearfem.diagnosis.diagnose import _held
 from gearfem.diagnosis.fit import jacobian
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.suggest import suggest
@@ -171,6 +172,13 @@ def test_how_far_a_shape_may_be_wrong_imitates_another_effect_and_not_its_own(fo
     (alone,) = mimicked(problem, problem.fit((small,), start, rounds=0))
     assert own < 0.2
     assert other > 3.0 * alone
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.9, "unexplained"), (1.0, "explained")])
+def test_a_name_that_does_worse_than_nuisances_where_nobody_looked_is_withdrawn(found: Diagnosis, share: float, verdict: str) -> None:
+    held = _held(found.naming, dataclasses.replace(found.proof, over_nuisances=share))
+    assert held.verdict == verdict
+    assert bool(held.fit.effects) == (verdict == "explained")
 
 
 def test_records_that_agree_end_before_the_search(tmp_path: Path) -> None:
