@@ -73,6 +73,10 @@ class Measurement(Record):
         """Factor from SI to the unit of the file's measured column."""
         return 1.0 / self.quantity.factors[1]
 
+    def over(self, axis: Array) -> Measurement:
+        """Return a record of the same conditions over another axis, shape (n,), without values."""
+        return dataclasses.replace(self, axis=axis, value=np.zeros(len(axis)), **_whole(axis))
+
 
 def make_record(name: str, axis: Array, value: Array | None = None, **stated: Any) -> Measurement:
     """Return a record of which every row counts, from arrays.
@@ -87,8 +91,11 @@ def make_record(name: str, axis: Array, value: Array | None = None, **stated: An
         The other fields of `Measurement`.
     """
     value = np.zeros(len(axis)) if value is None else value
-    whole = {"line": np.arange(len(axis)), "keep": np.ones(len(axis), bool)}
-    return Measurement(**{"file": name, **whole, **stated}, quantity=QUANTITIES[name], axis=axis, value=value)
+    return Measurement(**{"file": name, **_whole(axis), **stated}, quantity=QUANTITIES[name], axis=axis, value=value)
+
+
+def _whole(axis: Array) -> dict[str, Any]:
+    return {"line": np.arange(len(axis)), "keep": np.ones(len(axis), bool)}
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

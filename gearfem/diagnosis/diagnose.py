@@ -132,9 +132,8 @@ def _held(naming: Naming, proof: Proof) -> Naming:
     """
     if naming.verdict in ("explained", "partly_explained") and proof.over_nuisances is not None and proof.over_nuisances < WORSE:
         reason = f"On records held out, {naming.fit.effects[0].name} and what stands beside it leave more than nuisances alone."
-        sentence = sentence_of("unexplained", naming.alone, naming.closed)
-        changes = {"verdict": "unexplained", "fit": naming.alone, "p_values": (), "sentence": sentence}
-        return dataclasses.replace(naming, **changes, reasons=(*naming.reasons, reason))  # type: ignore[arg-type]
+        sentence, reasons = sentence_of("unexplained", naming.alone, naming.closed), (*naming.reasons, reason)
+        return dataclasses.replace(naming, verdict="unexplained", fit=naming.alone, p_values=(), sentence=sentence, reasons=reasons)
     open_gaps = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms and gap.closure < CLOSES]
     if naming.verdict != "explained" or not open_gaps:
         return naming

@@ -3,55 +3,58 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 
-from gearfem.definition.setup import Member
+from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.shapes import PLACES, bounded, places_of
+from gearfem.diagnosis.shapes import bounded
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array
 
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
 PER_PITCH = 48
-# Places about each one tried to which what is felt of an effect is moved along.
-ASIDE = 6
+# Places between root and tip at which something narrow is tried, and those about each to which what is felt of it is moved along.
+PLACES, ASIDE = 8, 6
 # Teeth that are looked at in full, of each effect of one tooth.
 TEETH = 2
 
 
 def starts_of(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[Effect]:
     """Return the typical effect, on the likeliest teeth where it acts on one, and where it is likeliest on the flank of each."""
-    setup = problem.campaign.setup
-    first = kind.example(setup, member)
+    first = kind.example(problem.campaign.setup, member)
     if not hasattr(first, "tooth"):
         return [first]
+    bare = _over_a_turn(problem, base, base.effects, member)
     likeliest: dict[int, tuple[float, Effect]] = {}
-    for here in places_of(first, setup):
-        moved, turns = _aside(here, problem)
-        for effect, gains in zip(moved, tooth_gains(problem, base, here, turns), strict=True):
+    for here, moved, later in _places(first, problem.campaign.setup):
+        on_first = dataclasses.replace(here, tooth=0)  # type: ignore[call-arg]
+        turn = _over_a_turn(problem, base, (*base.effects, on_first), member)
+        for effect, gains in zip(moved, _tooth_gains(problem, base, member, turn, bare, later), strict=True):
             for tooth, gain in enumerate(gains.tolist()):
                 if gain >= likeliest.get(tooth, (0.0, first))[0]:
                     likeliest[tooth] = gain, dataclasses.replace(effect, tooth=tooth)  # type: ignore[call-arg]
     return [effect for _, effect in sorted(likeliest.values(), key=lambda item: -item[0])[:TEETH]]
 
 
-def _aside(effect: Effect, problem: Problem) -> tuple[list[Effect], Array]:
-    """Return an effect at places up and down the flank, half way to the next ones tried, and by how much later each is felt [rad].
+def _places(effect: Effect, setup: Setup) -> Iterator[tuple[Effect, list[Effect], Array]]:
+    """Yield an effect at places from root to tip, others up and down the flank from each, and by how much later these are felt [rad].
 
     The effect itself, not later, where it has no place.
     """
-    setup = problem.campaign.setup
-    places = [field for field, known in effect.parameters().items() if known.place]
-    if not places:
-        return [effect], np.zeros(1)
-    (place,) = places
-    low, high = effect.parameters()[place].bounds(setup, effect.member)
-    moved = ((np.arange(ASIDE) + 0.5) / ASIDE - 0.5) * (high - low) / PLACES
-    forward = 1.0 if effect.member == "pinion" else -1.0
-    others = [dataclasses.replace(effect, **{place: float(getattr(effect, place) + by)}) for by in moved]
-    return others, forward * moved / setup.pair.pinion.base_radius
+    fields = [field for field, known in effect.parameters().items() if known.place]
+    if not fields:
+        yield effect, [effect], np.zeros(1)
+        return
+    (field,) = fields
+    low, high = effect.parameters()[field].bounds(setup, effect.member)
+    forward = (1.0 if effect.member == "pinion" else -1.0) / setup.pair.pinion.base_radius
+    aside = ((np.arange(ASIDE) + 0.5) / ASIDE - 0.5) * (high - low) / PLACES
+    for place in low + (np.arange(PLACES) + 0.5) / PLACES * (high - low):
+        here, *moved = (dataclasses.replace(effect, **{field: float(place + by)}) for by in (0.0, *aside))
+        yield here, moved, forward * aside
 
 
 def late_tooth(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[tuple[Effect, Array]]:
@@ -84,15 +87,38 @@ def late_tooth(problem: Problem, base: Fit, kind: type[Effect], member: Member) 
     return [(bounded(first.scaled(share, setup), setup), unknown)]
 
 
-def tooth_gains(problem: Problem, base: Fit, effect: Effect, later: Array) -> Array:
+def _over_a_turn(problem: Problem, base: Fit, effects: tuple[Effect, ...], member: Member) -> list[Array | None]:
+    """Return what records would read over one turn of a gear under effects, its teeth even; None for those that are not used.
+
+    Slow records are used where there are any.
+    """
+    pair = problem.campaign.setup.pair
+    over = [record.quantity.axis == "angle" for record in problem.records]
+    slow = [angle and not record.quantity.moving for angle, record in zip(over, problem.records, strict=True)]
+    used = slow if any(slow) else over
+    even = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
+    settings = dataclasses.replace(base.settings, angle_offset=0.0, pinion_late=even[0], wheel_late=even[1])
+    bench, grid = problem.bench(effects), _grid(pair, member)
+    return [bench.predict(record.over(grid), settings) if wanted else None for record, wanted in zip(problem.records, used, strict=True)]
+
+
+def _grid(pair: GearPair, member: Member) -> Array:
+    """Return pinion angles over one turn of a gear, both ends included [rad]."""
+    teeth = pair.pinion.teeth if member == "pinion" else pair.wheel.teeth
+    return np.arange(teeth * PER_PITCH + 1) / PER_PITCH * pair.pinion.pitch_angle
+
+
+def _tooth_gains(problem: Problem, base: Fit, member: Member, turn: list[Array | None], bare: list[Array | None], later: Array) -> Array:
     """Return by how much an effect would lower the objective on each tooth of its gear, if the response were linear.
 
     Parameters
     ----------
     problem, base : Problem, Fit
         As for `rank`.
-    effect : Effect
-        On any tooth.
+    member : {"pinion", "wheel"}
+        Its gear.
+    turn, bare : list of ndarray, shape (g,), or None
+        From `_over_a_turn`, with the effect on tooth 0 and without it.
     later : ndarray, shape (s,)
         Turns of the pinion [rad] by which it may come later than it does.
 
@@ -102,36 +128,18 @@ def tooth_gains(problem: Problem, base: Fit, effect: Effect, later: Array) -> Ar
 
     Notes
     -----
-    Teeth are alike but for their scatter: the response of tooth k is that of tooth 0 k pitches later. It is computed once, over one
-    turn of the gear, and moved. Slow records are used where there are any.
+    Teeth are alike but for their scatter: the response of tooth k is that of tooth 0 k pitches later.
     """
-    pair = problem.campaign.setup.pair
-    pitch = pair.pinion.pitch_angle
-    teeth = pair.pinion.teeth if effect.member == "pinion" else pair.wheel.teeth
-    over = [record.quantity.axis == "angle" for record in problem.records]
-    slow = [angle and not record.quantity.moving for angle, record in zip(over, problem.records, strict=True)]
-    used = slow if any(slow) else over
-    settings = dataclasses.replace(
-        base.settings, angle_offset=0.0, pinion_late=np.zeros(pair.pinion.teeth), wheel_late=np.zeros(pair.wheel.teeth)
-    )
-    grid = np.arange(teeth * PER_PITCH + 1) / PER_PITCH * pitch
-    benches = [problem.bench(effects) for effects in ((*base.effects, dataclasses.replace(effect, tooth=0)), base.effects)]  # type: ignore[call-arg]
-    responses: list[Array | None] = []
-    for record, wanted in zip(problem.records, used, strict=True):
-        if not wanted:
-            responses.append(None)
-            continue
-        turn = dataclasses.replace(record, axis=grid, value=grid, line=np.arange(len(grid)), keep=np.ones(len(grid), bool))
-        responses.append(benches[0].predict(turn, settings) - benches[1].predict(turn, settings))
-    late, series = (later[:, None] + np.arange(teeth) * pitch).ravel(), []
-    for record, response in zip(problem.records, responses, strict=True):
-        if response is None:
+    grid = _grid(problem.campaign.setup.pair, member)
+    late = (later[:, None] + grid[:-1:PER_PITCH]).ravel()
+    series = []
+    for record, with_it, without in zip(problem.records, turn, bare, strict=True):
+        if with_it is None or without is None:
             series.append(np.zeros((len(record.axis), late.size)))
             continue
         place = (record.axis + base.settings.angle_offset)[:, None] - late
-        series.append(np.interp(place % (teeth * pitch), grid, response))
-    signatures = problem.whiten(tuple(series))
-    gram, pull = problem.freed(base.point)(signatures)
+        series.append(np.interp(place % grid[-1], grid, with_it - without))
+    gram, pull = problem.freed(base.point)(problem.whiten(tuple(series)))
     freed = np.diag(gram)
     gains = np.where(freed > 0.0, pull**2 / np.maximum(freed, 1e-300), 0.0)
-    return np.asarray(gains.reshape(later.size, teeth))
+    return np.asarray(gains.reshape(later.size, -1))

@@ -70,7 +70,7 @@ class Marginal(Record):
         return np.asarray(cho_solve(self._factor, self._pull(residual), check_finite=False))
 
     def pulls(self, residual: Array) -> Array:
-        """Return what each record pulls at the unknowns at full weight, A_r' r_r of a whitened vector (m,), shape (r, k)."""
+        """Return what each record pulls at the unknowns at full weight, A_r' r_r of whitened (m,) or (m, p); shape (r, k) or (r, k, p)."""
         return np.stack([part.T @ residual[rows] for part, rows in zip(self.columns, self.rows, strict=True)])
 
     def settle(self, pulls: Array, squares: Array) -> tuple[Array, Array]:
@@ -121,8 +121,7 @@ class Marginal(Record):
         return np.concatenate([part @ unknown for part in self.columns])
 
     def _pull(self, residual: Array) -> Array:
-        parts = zip(self.weights, self.columns, self.rows, strict=True)
-        return np.asarray(sum(part.T @ (weight * residual[rows]) for weight, part, rows in parts))
+        return np.tensordot(self.weights, self.pulls(residual), axes=1)
 
 
 def marginal(columns: tuple[Array, ...]) -> Marginal:

@@ -32,8 +32,7 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     if not fit.effects:
         return ()
     without = [fit.effects[:out] + fit.effects[out + 1 :] for out in range(len(fit.effects))]
-    bare = (problem.predict(others, point.stood) for others in without)
-    responses = [problem.whiten(tuple(a - b for a, b in zip(point.predicted, left, strict=True))) for left in bare]
+    responses = [problem.response(point, others) for others in without]
     form = np.concatenate([part[:, count:] for part in problem.linear.columns])
     vectors = np.column_stack([*responses, form, problem.scales])
     gram, _ = problem.linear.first(count).weighed(point.weights).measure(vectors, point.residual)

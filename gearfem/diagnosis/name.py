@@ -127,10 +127,7 @@ def _apart(candidates: Sequence[Candidate]) -> list[Candidate]:
     kept: list[Candidate] = []
     for candidate in candidates:
         own = candidate.signature / np.linalg.norm(candidate.signature)
-        # Those that were fitted from other nuisances differ from the base by these too, which are alike.
-        if candidate.unknown is not None or all(
-            abs(own @ other.signature) < ALIKE * np.linalg.norm(other.signature) for other in kept if other.unknown is None
-        ):
+        if all(abs(own @ other.signature) < ALIKE * np.linalg.norm(other.signature) for other in kept):
             kept.append(candidate)
     return kept
 
@@ -157,7 +154,7 @@ def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progre
     both = _both_gears(search)
     search.fit([*starts, *both], alone, progress, "pairs of effects")
     # It starts far from where it ends: a first look says little.
-    search.settle([search.fits[key] for key in (label(start[0]) for start in both) if key in search.fits], progress, "both gears")
+    search.settle([search.fits[label(effects)] for effects, _ in both if label(effects) in search.fits], progress, "both gears")
 
 
 def _both_gears(search: Search) -> list[Start]:

@@ -171,6 +171,11 @@ class Problem:
         parts = zip(self.records, point.predicted, self.columns, strict=True)
         return tuple(record.value - predicted - columns @ kept for record, predicted, columns in parts)
 
+    def response(self, point: Point, others: tuple[Effect, ...]) -> Array:
+        """Return what the effects of a point do beyond others of them, everything else as the point has it: whitened, shape (m,)."""
+        without = self.predict(others, point.stood)
+        return self.whiten(tuple(a - b for a, b in zip(point.predicted, without, strict=True)))
+
     def effective(self, point: Point) -> Array:
         """Return the whitened residual with the scales put back to their priors too, so that `freed` frees it from all nuisances."""
         return point.residual + self.scales @ point.unknown[: self.outer]

@@ -154,10 +154,10 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
 
 
 def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:
-    """Return the last effect of each fit as it stands there; its signature is what it changes of the view's prediction."""
+    """Return the last effect of each fit as it stands there; its signature is what it does under the nuisances of that fit."""
     problem, base, found = view.problem, view.base, []
     for fit in fits:
-        signature = problem.whiten(tuple(a - b for a, b in zip(fit.point.predicted, base.point.predicted, strict=True)))
+        signature = problem.response(fit.point, base.effects)
         if signature @ signature > 0.0:
             standing = scored(fit.effects[-1], signature, view.freed, problem.campaign.setup, fit.point.unknown)
             found.append(dataclasses.replace(standing, gain=max(base.objective - fit.objective, 0.0), amplitude=1.0))

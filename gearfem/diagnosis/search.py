@@ -55,7 +55,7 @@ class Search:
         self.problem, self.alone = problem, alone
         self.fits: dict[tuple[object, ...], Fit] = {(): alone}
         self.rows = len(alone.white)
-        self._mimicked: dict[int, tuple[Fit, tuple[float, ...]]] = {}
+        self._mimicked: dict[Fit, tuple[float, ...]] = {}
 
     def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects") -> None:
         """Fit sets of effects, each set of names, gears and teeth once."""
@@ -167,10 +167,9 @@ class Search:
 
     def imitated(self, fit: Fit) -> tuple[Effect, ...]:
         """Return the effects of a fit that errors of our model imitate at half their strength or more."""
-        if id(fit) not in self._mimicked:
-            self._mimicked[id(fit)] = (fit, mimicked(self.problem, fit))
-        _, shares = self._mimicked[id(fit)]
-        return tuple(effect for effect, share in zip(fit.effects, shares, strict=True) if share > MIMICKED)
+        if fit not in self._mimicked:
+            self._mimicked[fit] = mimicked(self.problem, fit)
+        return tuple(effect for effect, share in zip(fit.effects, self._mimicked[fit], strict=True) if share > MIMICKED)
 
 
 def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, before: float = math.inf) -> Fit:

@@ -15,8 +15,6 @@ from gearfem.effects.effect import Effect, Parameter
 DEEP, WIDE = (4.0, 16.0), (0.4, 2.5, 6.0)
 # Natural frequencies at which a resonance is tried [Hz].
 FREQUENCIES = 500.0, 8000.0
-# Places between root and tip at which something narrow is tried.
-PLACES = 8
 
 
 def bounded(effect: Effect, setup: Setup) -> Effect:
@@ -31,14 +29,11 @@ def bounded(effect: Effect, setup: Setup) -> Effect:
 def shapes_of(effect: Effect, setup: Setup) -> list[Effect]:
     """Return the effect with all combinations of the parameters that say how it acts, where it lies on a flank."""
     # A frequency is infinite at no effect, and says where it acts all the same.
-    fields = [field for field, known in effect.parameters().items() if known.neutral is None or known.reciprocal]
-    options = [tries(known, setup, effect) for known in (effect.parameters()[field] for field in fields)]
-    known = effect.parameters()
-    options = [
-        (getattr(effect, field),) if known[field].place or (stands(effect) and not known[field].reciprocal) else several
-        for field, several in zip(fields, options, strict=True)
-    ]
-    shapes = [dataclasses.replace(effect, **dict(zip(fields, values, strict=True))) for values in itertools.product(*options)]
+    known = {field: one for field, one in effect.parameters().items() if not one.place and (one.neutral is None or one.reciprocal)}
+    if stands(effect):
+        known = {field: one for field, one in known.items() if one.reciprocal}
+    options = [tries(one, setup, effect) for one in known.values()]
+    shapes = [dataclasses.replace(effect, **dict(zip(known, values, strict=True))) for values in itertools.product(*options)]
     strengths = effect.strengths()
     if len(strengths) == 2:
         # Two places share what they yield in sum: motions may tell them apart, but not from half way between.
@@ -52,13 +47,6 @@ def shapes_of(effect: Effect, setup: Setup) -> list[Effect]:
     return shapes + [bounded(effect.scaled(size, setup), setup) for size in sizes]
 
 
-def places_of(effect: Effect, setup: Setup) -> list[Effect]:
-    """Return the effect at all places where it may lie on a flank; as it is where it has none."""
-    places = [field for field, known in effect.parameters().items() if known.place]
-    options = (tries(effect.parameters()[field], setup, effect) for field in places)
-    return [dataclasses.replace(effect, **dict(zip(places, values, strict=True))) for values in itertools.product(*options)]
-
-
 def stands(effect: Effect) -> bool:
     """Return whether an effect is tried as it stands: strengths that say where it acts, as a frequency does, cannot be scaled."""
     return any(known.reciprocal for known in effect.parameters().values())
@@ -68,8 +56,6 @@ def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
     """Return values at which a parameter that says where or how is tried."""
     low, high = known.bounds(setup, effect.member)
     typical = known.typically(setup, effect.member)
-    if known.place:
-        return tuple((low + (np.arange(PLACES) + 0.5) / PLACES * (high - low)).tolist())
     if known.unit == "Hz":
         return tuple(float(f) for f in np.geomspace(*FREQUENCIES, 5))
     if known.unit == "rad":

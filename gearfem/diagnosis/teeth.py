@@ -129,15 +129,8 @@ def _at_peaks(record: Measurement, bench: Bench, settings: Settings, terms: int)
     rows = []
     for speed in record.axis.tolist():
         angle, share = bench.peak(record.pinion_torque, speed, settings)
-        there = dataclasses.replace(
-            record,
-            quantity=QUANTITIES["pinion_angular_acceleration"],
-            pinion_speed=speed,
-            axis=np.array([angle]),
-            value=np.zeros(1),
-            line=np.zeros(1, int),
-            keep=np.ones(1, bool),
-        )
+        here = record.over(np.array([angle]))
+        there = dataclasses.replace(here, quantity=QUANTITIES["pinion_angular_acceleration"], pinion_speed=speed)
         rows.append(share * _at_speed(there, bench, settings, terms))
     return np.concatenate(rows)
 

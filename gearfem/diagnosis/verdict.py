@@ -105,14 +105,14 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     others = [(fit, scores[key] - own) for key, fit in search.fits.items() if fit is not best and fit.effects]
     others.sort(key=lambda item: item[1])
     # Only those that come near are worth the question.
-    imitated = {id(fit): search.imitated(fit) for fit, worse in others if worse < threshold}
+    imitated = {fit: search.imitated(fit) for fit, worse in others if worse < threshold}
     rivals = tuple(
-        Rival(effects=fit.effects, score_difference=worse, why=_why(fit, best, worse, threshold, imitated.get(id(fit), ())))
+        Rival(effects=fit.effects, score_difference=worse, why=_why(fit, best, worse, threshold, imitated.get(fit, ())))
         for fit, worse in others
     )
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
-    close = [fit for fit, worse in others if worse < threshold and len(fit.effects) <= len(best.effects) and not imitated[id(fit)]]
+    close = [fit for fit, worse in others if worse < threshold and len(fit.effects) <= len(best.effects) and not imitated[fit]]
     if not best.effects or gained < search.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
     elif remains > 1.0 and (closed < STANDS or remains > REST):
@@ -194,7 +194,7 @@ def _why(fit: Fit, best: Fit, difference: float, threshold: float, imitated: tup
     if imitated:
         return f"{imitated[0].describe()}: errors of our own model would be taken for half of it or more"
     if best.effects and set(label(best.effects)) < set(label(fit.effects)):
-        return f"gains less by what it has beside the named effects than a further name must (score worse by {difference:.1f})"
+        return f"gains less by what it has beside the named effects than a further name must (score {difference:+.1f})"
     if difference < threshold:
         return f"cannot be told apart: its score is worse by {difference:.1f}, less than {threshold:.1f}"
     return f"leaves more of the gap: score worse by {difference:.1f}"

@@ -56,15 +56,19 @@ PLAN: dict[str, Any] = {
 }
 
 
-@pytest.fixture(scope="module")
-def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Measure a pair with tip relief on the virtual rig; return the campaign file."""
-    folder = tmp_path_factory.mktemp("campaign")
-    write_toml(folder / "true.toml", NOMINAL | {"effect": [HIDDEN], "calibration": {"stiffness_scale": 1.02}})
-    write_toml(folder / "plan.toml", PLAN)
+def on_the_rig(folder: Path, hidden: dict[str, Any], plan: dict[str, Any] = PLAN) -> Path:
+    """Measure the nominal pair with what is hidden in it on the virtual rig; return the campaign file."""
+    write_toml(folder / "true.toml", NOMINAL | hidden)
+    write_toml(folder / "plan.toml", plan)
     true = load_model(folder / "true.toml")
     measure(true, read_plan(folder / "plan.toml", true.pair), NOMINAL, folder / "rig")
     return folder / "rig" / "campaign.toml"
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Measure a pair with tip relief on the virtual rig; return the campaign file."""
+    return on_the_rig(tmp_path_factory.mktemp("campaign"), {"effect": [HIDDEN], "calibration": {"stiffness_scale": 1.02}})
 
 
 @pytest.fixture(scope="module")
@@ -182,12 +186,8 @@ def test_a_name_that_does_worse_than_nuisances_where_nobody_looked_is_withdrawn(
 
 
 def test_records_that_agree_end_before_the_search(tmp_path: Path) -> None:
-    write_toml(tmp_path / "true.toml", NOMINAL)
-    write_toml(tmp_path / "plan.toml", PLAN)
-    true = load_model(tmp_path / "true.toml")
-    measure(true, read_plan(tmp_path / "plan.toml", true.pair), NOMINAL, tmp_path / "rig")
     steps: list[str] = []
-    kinds, measured = choose(catalogue(), ["tip_relief", "pitch_error"]), read_campaign(tmp_path / "rig" / "campaign.toml")
+    kinds, measured = choose(catalogue(), ["tip_relief", "pitch_error"]), read_campaign(on_the_rig(tmp_path, {}))
     naming = diagnose(measured, kinds, lambda words, done, total: steps.append(words)).naming
     assert naming.verdict == "no_discrepancy"
     assert "candidates" in steps
@@ -237,15 +237,11 @@ def test_a_record_of_unknown_first_tooth_is_turned_until_it_fits(tmp_path: Path)
     assert proof.stands
 
 
-def test_a_narrow_pit_is_found_wherever_it_lies_on_the_flank(tmp_path: Path) -> None:
+def test_a_narrow_pit_between_the_places_tried_is_found(tmp_path: Path) -> None:
     low, high = Pitting.parameters()["centre"].bounds(make_setup(NOMINAL), "wheel")
     centre = low + 0.5 * (high - low)
     hidden = {"name": "pitting", "gear": "wheel", "tooth": 4, "depth_um": 20.0, "centre_mm": centre / MM, "width_mm": 1.2}
-    write_toml(tmp_path / "true.toml", NOMINAL | {"effect": [hidden]})
-    write_toml(tmp_path / "plan.toml", PLAN)
-    true = load_model(tmp_path / "true.toml")
-    measure(true, read_plan(tmp_path / "plan.toml", true.pair), NOMINAL, tmp_path / "rig")
-    naming = diagnose(read_campaign(tmp_path / "rig" / "campaign.toml"), choose(catalogue(), ["pitting"])).naming
+    naming = diagnose(read_campaign(on_the_rig(tmp_path, {"effect": [hidden]})), choose(catalogue(), ["pitting"])).naming
     (found,) = naming.fit.effects
     assert naming.verdict == "explained"
     assert (found.gear, found.tooth) == ("wheel", 4)
@@ -255,12 +251,10 @@ def test_a_narrow_pit_is_found_wherever_it_lies_on_the_flank(tmp_path: Path) -> 
 def test_a_tooth_out_of_place_is_named_and_not_taken_for_scatter(tmp_path: Path) -> None:
     """Index errors are nuisances, and one of nine deviations would hide among them."""
     hidden = {"name": "pitch_error", "gear": "pinion", "tooth": 8, "amount_um": -9.0}
-    write_toml(tmp_path / "true.toml", NOMINAL | {"effect": [hidden]})
     # Over so many turns the tooth meets several of the wheel's.
-    write_toml(tmp_path / "plan.toml", PLAN | {"record": [record | {"turns": 3.4} for record in PLAN["record"]]})
-    true = load_model(tmp_path / "true.toml")
-    measure(true, read_plan(tmp_path / "plan.toml", true.pair), NOMINAL, tmp_path / "rig")
-    naming = diagnose(read_campaign(tmp_path / "rig" / "campaign.toml"), choose(catalogue(), ["pitch_error", "profile_slope"])).naming
+    plan = PLAN | {"record": [record | {"turns": 3.4} for record in PLAN["record"]]}
+    campaign = read_campaign(on_the_rig(tmp_path, {"effect": [hidden]}, plan))
+    naming = diagnose(campaign, choose(catalogue(), ["pitch_error", "profile_slope"])).naming
     (found,) = naming.fit.effects
     assert naming.verdict == "explained"
     assert (found.name, found.gear, found.tooth) == ("pitch_error", "pinion", 8)
