@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import TypeVar
 
 from gearfem.compliance import make_compliance
-from gearfem.compliance.record import Compliance, ToothCompliance
+from gearfem.compliance.record import Compliance
 from gearfem.contact import EdgedLine
 from gearfem.contact.scaled import Law
 from gearfem.definition.calibration import Calibration
@@ -83,8 +83,9 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
     drive = _act(drive, of("drive"), bare)
     return System(
         setup=setup,
-        flanks=flanks,
-        compliance=_softer(compliance, 1.0 / fitted.stiffness_scale),
+        # The compliance stays that of the model's tip edges: its table begins and ends with rounds that move by a hundredth of the flank.
+        flanks=flanks.edged(fitted.tip_edge_scale),
+        compliance=_softer(compliance.coupled(fitted.coupling_scale), 1.0 / fitted.stiffness_scale),
         placement=placement,
         law=_act(law, of("contact"), bare),
         # A fitted scale belongs to the damping that the effects leave, as its fit has it.
@@ -111,7 +112,8 @@ def _checked(effects: Iterable[Effect], setup: Setup) -> tuple[Effect, ...]:
 
 def flanks_of(setup: Setup) -> Flanks:
     """Return the flanks of a gear pair with the effects that it names, without computing anything further."""
-    return _flanks(_bare(setup), tuple(effect for effect in _checked(effects_in(setup), setup) if effect.stage == "flank"))
+    flanks = _flanks(_bare(setup), tuple(effect for effect in _checked(effects_in(setup), setup) if effect.stage == "flank"))
+    return flanks.edged(setup.calibration.tip_edge_scale)
 
 
 def _bare(setup: Setup) -> Setup:
@@ -145,14 +147,4 @@ def _late(placement: Placement, fitted: Calibration) -> Placement:
 
 def _softer(compliance: Compliance, scale: float) -> Compliance:
     """Return a compliance of which teeth and bodies yield a multiple; contacts are the law's."""
-
-    def softer(tooth: ToothCompliance) -> ToothCompliance:
-        return dataclasses.replace(tooth, deflection=scale * tooth.deflection, coupling=scale * tooth.coupling)
-
-    return dataclasses.replace(
-        compliance,
-        pinion=softer(compliance.pinion),
-        wheel=softer(compliance.wheel),
-        pinion_odd=tuple((number, softer(tooth)) for number, tooth in compliance.pinion_odd),
-        wheel_odd=tuple((number, softer(tooth)) for number, tooth in compliance.wheel_odd),
-    )
+    return compliance.each(lambda tooth: dataclasses.replace(tooth, deflection=scale * tooth.deflection, coupling=scale * tooth.coupling))

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
+
+import numpy as np
 
 from gearfem.definition.setup import Member
 from gearfem.flank import Outline
@@ -65,6 +68,14 @@ class ToothCompliance(ComplianceCurve):
     coupling: Array
     local_depth: Array
 
+    def coupled(self, scale: float) -> ToothCompliance:
+        """Return the same tooth, neighbours of which feel a multiple of its load; what the nearest two lose or gain on average is its own.
+
+        Two neighbours under equal loads yield as before: a scale says where deflection is felt, not how much of it there is.
+        """
+        nearest = np.mean([np.diagonal(self.coupling[self.offsets.index(offset)]) for offset in (-1, 1)], axis=0)
+        return dataclasses.replace(self, deflection=self.deflection + (1.0 - scale) * nearest, coupling=scale * self.coupling)
+
     def on_half_space(self) -> ToothCompliance:
         """Return the same tooth, a half space down to its centreline as the rule of Weber and Banaschek (1953) has it."""
         return dataclasses.replace(self, local_depth=self.depth)
@@ -93,12 +104,20 @@ class Compliance(Record):
 
     def on_half_space(self) -> Compliance:
         """Return the same teeth, half spaces between contact and centreline (Weber and Banaschek), for comparison."""
+        return self.each(ToothCompliance.on_half_space)
+
+    def coupled(self, scale: float) -> Compliance:
+        """Return the same teeth, neighbours of which feel a multiple through the body, see `ToothCompliance.coupled`; 1 changes no bit."""
+        return self.each(lambda tooth: tooth.coupled(scale))
+
+    def each(self, change: Callable[[ToothCompliance], ToothCompliance]) -> Compliance:
+        """Return what a change of single teeth makes of all of them."""
         return dataclasses.replace(
             self,
-            pinion=self.pinion.on_half_space(),
-            wheel=self.wheel.on_half_space(),
-            pinion_odd=tuple((number, tooth.on_half_space()) for number, tooth in self.pinion_odd),
-            wheel_odd=tuple((number, tooth.on_half_space()) for number, tooth in self.wheel_odd),
+            pinion=change(self.pinion),
+            wheel=change(self.wheel),
+            pinion_odd=tuple((number, change(tooth)) for number, tooth in self.pinion_odd),
+            wheel_odd=tuple((number, change(tooth)) for number, tooth in self.wheel_odd),
         )
 
     def odd(self, member: Member) -> dict[int, ToothCompliance]:

@@ -25,6 +25,10 @@ class Calibration(Record):
         Readings of angle series, accelerations and stiffness over true values.
     series_compliance : float
         Compliance along the line of action that the model misses, in series with all pairs [m/N]; negative where it has too much.
+    coupling_scale : float
+        What neighbour teeth feel through the bodies, true over computed; the rest is the loaded tooth's own deflection.
+    tip_edge_scale : float
+        Radius of the tip edges, true over that of the model.
     angle_offset : float
         Pinion angle of the model at which measured angles are 0 [rad].
     pinion_late, wheel_late : ndarray, shapes (z1,), (z2,) or (0,)
@@ -39,6 +43,8 @@ class Calibration(Record):
     damping_scale: float = 1.0
     gain: float = 1.0
     series_compliance: float = 0.0
+    coupling_scale: float = 1.0
+    tip_edge_scale: float = 1.0
     angle_offset: float = 0.0
     pinion_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
     wheel_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))

@@ -46,6 +46,8 @@ def resolve_calibration(table: CalibrationTable, teeth: tuple[int, int]) -> Cali
         damping_scale=table.damping_scale,
         gain=table.gain,
         series_compliance=table.series_compliance_um_per_N * UM,
+        coupling_scale=table.coupling_scale,
+        tip_edge_scale=table.tip_edge_scale,
         angle_offset=table.angle_offset_rad,
         pinion_late=late[0],
         wheel_late=late[1],

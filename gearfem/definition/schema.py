@@ -142,6 +142,8 @@ class CalibrationTable(Table):
     damping_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
     gain: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
     series_compliance_um_per_N: Annotated[float, Field(ge=-1.0, le=1.0)] = 0.0
+    coupling_scale: Annotated[float, Field(ge=0.0, le=3.0)] = 1.0
+    tip_edge_scale: Annotated[float, Field(ge=0.01, le=3.0)] = 1.0
     angle_offset_rad: Annotated[float, Field(ge=-10.0, le=10.0)] = 0.0
     pinion_index_error_um: list[Late] = []
     wheel_index_error_um: list[Late] = []

@@ -30,6 +30,8 @@ class Settings(Record):
         Reading over true value of angle series, accelerations and stiffness.
     series_compliance : float
         Compliance along the line of action that the model misses, in series with all pairs [m/N]; negative where it has too much.
+    coupling_scale, tip_edge_scale : float
+        What neighbour teeth feel through the bodies, and the radius of the tip edges, true over the model's.
     """
 
     pinion_late: Array
@@ -41,6 +43,8 @@ class Settings(Record):
     damping_scale: float = 1.0
     gain: float = 1.0
     series_compliance: float = 0.0
+    coupling_scale: float = 1.0
+    tip_edge_scale: float = 1.0
 
 
 def neutral(pair: GearPair) -> Settings:

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import itertools
 from functools import partial
 
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.comparison import Compared, Comparison, Shift
-from gearfem.diagnosis.fit import ROUNDS, Fit
+from gearfem.diagnosis.fit import ROUNDS, Fit, again
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import BenchOf, Problem
 from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.zero import guess_zero
+from gearfem.foundation import Array, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Terms of the waviness of a flank. To find the zero and the noise, the few of `Scatter` are enough, and they leave the noise alone.
 TERMS = 14
 # Rounds in which guesses of the zero are told apart, in which the noise is found, and before derivatives are taken again.
 GUESSED, ROUGH, EARLY = 1, 3, 4
+# Tip edges to start from, of the model's; compliance in series and damping to start from, in prior deviations.
+EDGES = (1.0, 0.2)
+SERIES_TRIED, DAMPING_TRIED = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0), (-1.5, 0.0, 1.5)
 
 
 def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf | None = None, progress: Progress = quiet) -> Comparison:
@@ -63,19 +69,58 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     explained = (record.value - left for record, left in zip(records, found.left, strict=True))
     noises = tuple(measure_noise(record, pair, part) for record, part in zip(records, explained, strict=True))
     problem = Problem(campaign, records, noises, scatter or Scatter(terms=TERMS), make)
-    progress("nuisances", 1, 3)
-    early = _fit(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset), EARLY)
-    progress("nuisances", 2, 3)
+    progress("nuisances", 1, 4)
+    start = _at_rest(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset))
+    progress("nuisances", 2, 4)
+    early = problem.fit((), _tuned(problem, problem.prepare((), problem.unknowns.of(start))), EARLY)
+    progress("nuisances", 3, 4)
     alone = _fit(problem, early.settings)
     problem.remember(alone)
-    alone = problem.fit((), problem.prepare((), alone.point.unknown), fresh=True)
-    progress("nuisances", 3, 3)
+    alone = again(problem, (), alone.point.unknown)
+    progress("nuisances", 4, 4)
     return Comparison(problem=problem, alone=alone, shifts=_shifts(problem, alone), records=_compared(problem, alone))
 
 
 def _fit(problem: Problem, start: Settings, rounds: int = ROUNDS) -> Fit:
     """Return the fit of the nuisances alone from settings on, where their derivatives are taken."""
     return problem.fit((), problem.prepare((), problem.unknowns.of(start)), rounds)
+
+
+def _at_rest(problem: Problem, level: Settings) -> Settings:
+    """Return settings that slow records have from either build of the gears, with edges as the model has them or sharp; else those given.
+
+    They say what motions, which hide it near resonances, do not: where pairs hand over, and by how much teeth and bodies yield.
+    """
+    slow = [i for i, record in enumerate(problem.records) if not record.quantity.moving and not record.quantity.of_gear]
+    if not slow:
+        return level
+    few = Problem(
+        problem.campaign,
+        tuple(problem.records[i] for i in slow),
+        tuple(problem.noises[i] for i in slow),
+        problem.unknowns.scatter,
+        problem.bench,
+    )
+    fits = [_fit(few, dataclasses.replace(level, tip_edge_scale=edges)) for edges in EDGES]
+    return min(fits, key=lambda fit: fit.objective).settings
+
+
+def _tuned(problem: Problem, unknown: Array) -> Array:
+    """Return unknowns with the compliance in series and the damping, among a few of each, under which motions leave least.
+
+    The misfit of a resonance has a minimum wherever one of its lines meets one of the record's: no descent leaves a wrong one.
+    """
+    names = [nuisance.name for nuisance in problem.nuisances]
+    if not any(record.quantity.moving for record in problem.records):
+        return unknown
+    places = [names.index("series_compliance"), names.index("damping_scale")]
+    best = problem.at((), unknown)
+    for moved in itertools.product(SERIES_TRIED, DAMPING_TRIED):
+        tried = unknown.copy()
+        tried[places] = moved
+        with contextlib.suppress(SolveError):
+            best = min(best, problem.at((), tried), key=lambda point: point.objective)
+    return best.unknown
 
 
 def _zero(problem: Problem, progress: Progress) -> float:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 # Rounds after which derivatives are taken again; between them Broyden's corrections do.
 ROUNDS, HALVINGS, SETTLED, EXACT = 9, 3, 1.0, 3
 DIFFERENCE = 0.03
+# Rounds of fits prepared anew, and the share of the objective that one must have gained for another.
+AGAIN, WORTH = 3, 0.01
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,7 +79,8 @@ def fit(
     hopeless : float
         Objective that a fit must promise to reach; one that will not is given up where it stands.
     fresh : bool
-        Whether the derivatives over scales and zero are taken in every round rather than by `Problem.prepare`, at ten times the cost.
+        Whether the derivatives over scales and zero are taken where a round stands, at ten times the cost. Those of the first round are
+        always those of `Problem.prepare`, which then must have stood here.
 
     Returns
     -------
@@ -96,7 +99,7 @@ def fit(
     what is linear are those of the last `prepare`.
     """
     point = problem.at(effects, unknown)
-    derivatives, exact = jacobian(problem, point, fresh), True
+    derivatives, exact = jacobian(problem, point), True
     for number in range(rounds):
         ahead = _ahead(problem, point, derivatives)
         gained, small = point.objective - ahead.objective, SETTLED + 1e-4 * point.objective
@@ -119,6 +122,20 @@ def fit(
         left=left,
         white=white,
     )
+
+
+def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, before: float = np.inf) -> Fit:
+    """Return the fit of effects from nuisances on, prepared where it stands and with all derivatives taken there, until that gains little.
+
+    Near a resonance motions bend so much that one round ends far from where its derivatives were true. The problem stays prepared where the
+    last round began.
+    """
+    for _ in range(AGAIN):
+        found = fit(problem, effects, problem.prepare(effects, unknown), fresh=True)
+        if before - found.objective < WORTH * found.objective:
+            break
+        before, effects, unknown = found.objective, found.effects, found.point.unknown
+    return found
 
 
 def jacobian(problem: Problem, point: Point, fresh: bool = False) -> Array:

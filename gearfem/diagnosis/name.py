@@ -58,9 +58,9 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     -----
     Forward selection with back-elimination, up to three effects; the first candidates are tried in pairs too. A score is the objective
     (what records cost by `profile`, and all nuisances, model form included, in prior deviations, squared) plus a cost for each
-    parameter, for the choice of a tooth and for a parameter at its bound. Records that nuisances within reason leave without a gap, and
-    where no candidate promises much, end before the search. Leads need solid elements: the misalignment among the errors of
-    the model has computed them before the work is shared out.
+    parameter, for the choice of a tooth and for a parameter at its bound. Records that nuisances leave without a gap end before the
+    search, where these stay within reason and no candidate promises much, or else where no single effect keeps what it promised. Leads
+    need solid elements: the misalignment among the errors of the model has computed them before the work is shared out.
     """
     search = Search(problem, alone)
     first = rank(problem, alone, kinds, progress)
@@ -70,6 +70,8 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     if _agrees(search, first):
         return judge(search, shown)
     _singles(search, alone, first, progress)
+    if gap_left(alone, problem) < 1.0 and alone.objective - search.best(1).objective < HOPELESS * search.detected:
+        return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
     for count in range(1, MOST):
@@ -103,7 +105,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
 
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
     """Return whether nuisances alone leave no gap, do the work of no effect, and no candidate promises half of what a name needs."""
-    sound = gap_left(search.alone, search.problem) < 1.0 and search.astray(search.alone).max() < STRAYED
+    sound = gap_left(search.alone, search.problem) < 1.0 and np.abs(search.astray(search.alone)).max() < STRAYED
     return sound and all(candidate.gain < HOPELESS * search.detected for candidate in candidates)
 
 

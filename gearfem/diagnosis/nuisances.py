@@ -25,6 +25,7 @@ class Nuisance(Record):
         For reports.
     prior : float
         Standard deviation: of the logarithm of a scale, which cannot turn negative; else of the value [SI].
+        Of a share, which may come down to nothing, that of its value.
     step : float
         Step of the finite difference, in prior deviations.
     reach : float
@@ -40,7 +41,12 @@ class Nuisance(Record):
     @property
     def is_scale(self) -> bool:
         """Whether it multiplies."""
-        return self.name not in ("angle_offset", "series_compliance")
+        return self.name not in ("angle_offset", "series_compliance", "coupling_scale", "tip_edge_scale")
+
+    @property
+    def level(self) -> float:
+        """Value of the model."""
+        return 1.0 if self.name.endswith("_scale") or self.name == "gain" else 0.0
 
     @property
     def unit(self) -> str:
@@ -49,11 +55,11 @@ class Nuisance(Record):
 
     def value(self, moved: float) -> float:
         """Return the value of the setting so many prior deviations from the model's."""
-        return math.exp(moved * self.prior) if self.is_scale else moved * self.prior
+        return math.exp(moved * self.prior) if self.is_scale else self.level + moved * self.prior
 
     def deviations(self, value: float) -> float:
         """Return how many prior deviations from the model's value a setting stands."""
-        return (math.log(value) if self.is_scale else value) / self.prior
+        return (math.log(value) if self.is_scale else value - self.level) / self.prior
 
 
 # Torque and stiffness act as their ratio on everything slow; Young's modulus (1 %) is merged with the stiffness scale (5 %).
@@ -62,13 +68,21 @@ SCALES = (
     Nuisance(name="torque_scale", words="torque", prior=0.01, step=0.5),
     Nuisance(name="gain", words="sensor gain", prior=0.02, step=0.5),
 )
+# Inertias are known to 2 %; what they swing on errs by more than its compliance in series does, some 3 % of natural frequencies squared.
 MOVING = (
-    Nuisance(name="inertia_scale", words="inertias", prior=0.02, step=0.5),
+    Nuisance(name="inertia_scale", words="inertias", prior=math.hypot(0.02, 0.03), step=0.25),
     Nuisance(name="damping_scale", words="damping ratio", prior=0.30, reach=3.0),
 )
 # Mean stiffnesses of the models in use differ by some 10 %, however well they agree on its course over the pitch: of that of a usual mesh,
 # 20 N/(mm um) by ISO 6336-1 [N/m2].
 SERIES, USUAL_STIFFNESS = 0.08, 20e9
+# Two pairs together yield about alike in all models, one pair alone does not: some models have no neighbours that feel anything, others a
+# body that carries most of a deflection over; edges are sharp, or broken by some hundredths of a module. Both act far from linearly on
+# where pairs hand over, so that they are fitted, not taken for small errors.
+BUILD = (
+    Nuisance(name="coupling_scale", words="coupling of neighbour teeth through the bodies", prior=0.5, step=0.05, reach=1.8),
+    Nuisance(name="tip_edge_scale", words="radius of the tip edges", prior=0.5, step=0.05, reach=1.8),
+)
 # The unknown zero lies within half a pitch either way; its deviation is that of an equal distribution.
 UNIFORM = 1.0 / math.sqrt(12.0)
 
@@ -82,7 +96,7 @@ def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[
         pitch = campaign.setup.pair.pinion.pitch_angle
         found.append(Nuisance(name="angle_offset", words="zero of the pinion angle", prior=UNIFORM * pitch, step=5e-3, reach=2.0))
     if loaded:
-        found += SCALES
+        found += (*SCALES, *BUILD)
     if any(record.quantity.moving for record in loaded):
         found += MOVING
     if any(not record.quantity.free_constant or record.quantity.moving for record in loaded):
@@ -120,7 +134,8 @@ def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tup
     out = np.zeros((len(record.axis), len(nuisances)))
     if record.quantity.of_gear:
         return out
-    # Motions cost a hundred times what slow records do: forward differences, whose error is a step's share of the curvature.
+    # Motions cost a hundred times what slow records do, and another build new tables: forward differences there,
+    # whose error is a step's share of the curvature.
     moving = record.quantity.moving
     for place, nuisance in enumerate(nuisances):
         # Kw is the largest value of a whole turn, wherever that begins.
@@ -130,13 +145,10 @@ def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tup
         if nuisance.name == "gain" and record.quantity.axis == "angle":
             out[:, place] = nuisance.prior * here
             continue
-        ahead, behind = (
-            bench.predict(record, _moved(settings, nuisance, float(moved[place]) + sign * nuisance.step))
-            if sign > 0.0 or not moving
-            else here
-            for sign in (1.0, -1.0)
-        )
-        out[:, place] = (ahead - behind) / (nuisance.step if moving else 2.0 * nuisance.step)
+        once, stands = moving or nuisance in BUILD, float(moved[place])
+        ahead = bench.predict(record, _moved(settings, nuisance, stands + nuisance.step))
+        behind = here if once else bench.predict(record, _moved(settings, nuisance, stands - nuisance.step))
+        out[:, place] = (ahead - behind) / (nuisance.step if once else 2.0 * nuisance.step)
     return out
 
 

@@ -184,6 +184,8 @@ def calibration_of(known: Calibration, settings: Settings) -> Calibration:
         damping_scale=known.damping_scale * settings.damping_scale,
         gain=known.gain * settings.gain,
         series_compliance=known.series_compliance + settings.series_compliance,
+        coupling_scale=known.coupling_scale * settings.coupling_scale,
+        tip_edge_scale=known.tip_edge_scale * settings.tip_edge_scale,
         angle_offset=known.angle_offset + settings.angle_offset,
         pinion_late=known.pinion_late + settings.pinion_late if known.pinion_late.size else settings.pinion_late,
         wheel_late=known.wheel_late + settings.wheel_late if known.wheel_late.size else settings.wheel_late,

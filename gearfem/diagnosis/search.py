@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.stats import median_abs_deviation
 
-from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import STRAYED
@@ -36,9 +36,8 @@ MIMICKED = 0.5
 MOST = 3
 # Rivals that are fitted again beside the best explanation: those within this share of what it gains.
 NEAR, RIVALS = 0.3, 3
-# Most rounds in which an explanation is fitted again, and the share of the objective that one must gain for the next; what a fit may leave
-# of a record, over what can be expected, before another start is tried.
-AGAIN, WORTH, FAR = 3, 0.01, 2.0
+# What a fit may leave of a record, over what can be expected, before another start is tried.
+FAR = 2.0
 # Share of what counts as detected that a fit with a further effect must promise to gain beside the one it builds on, or it is given up.
 LITTLE = 0.25
 # What a parameter costs that ends at a bound: the shape wants to be another one.
@@ -90,11 +89,11 @@ class Search:
         first = min((fit for fit in fits if fit.effects), key=self.score, default=None)
 
         def one(fit: Fit) -> Fit:
-            found = again(self.problem, fit.effects, fit.point.unknown, fit.objective)
+            found = again(copy.copy(self.problem), fit.effects, fit.point.unknown, fit.objective)
             if fit is not first or (found.squares / self.problem.floor).max() < FAR:
                 return found
             try:
-                other = again(self.problem, fit.effects, self.problem.unknowns.neutral(fit.point.unknown))
+                other = again(copy.copy(self.problem), fit.effects, self.problem.unknowns.neutral(fit.point.unknown))
             except (InputError, SolveError):
                 return found
             return min(found, other, key=lambda one: one.objective)
@@ -170,20 +169,6 @@ class Search:
         if fit not in self._mimicked:
             self._mimicked[fit] = mimicked(self.problem, fit)
         return tuple(effect for effect, share in zip(fit.effects, self._mimicked[fit], strict=True) if share > MIMICKED)
-
-
-def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, before: float = math.inf) -> Fit:
-    """Return the fit of effects from nuisances on, with all derivatives taken where it stands, until that gains little.
-
-    Near a resonance motions bend so much that one round ends far from where its derivatives were true.
-    """
-    own = copy.copy(problem)
-    for _ in range(AGAIN):
-        fit = own.fit(effects, own.prepare(effects, unknown), fresh=True)
-        if before - fit.objective < WORTH * fit.objective:
-            break
-        before, effects, unknown = fit.objective, fit.effects, fit.point.unknown
-    return fit
 
 
 def way_of(effect: Effect) -> tuple[str, str]:

@@ -28,6 +28,8 @@ from gearfem.sensing.requests import observe, requests
 LEAST_LOAD = 0.02
 # Places of the path of contact at which the depth of a flank is averaged.
 DEPTHS = 101
+# Systems of other coupling and tip edges that stay in memory: those of a derivative.
+BUILT = 4
 # Longest step of motions by 1/omega_n: an error far below what a motion is expected to be predicted to (see `march_turns`).
 STRIDE = 0.5
 
@@ -173,7 +175,7 @@ class SystemBench(Record):
         inertia = settings.inertia_scale / settings.stiffness_scale
         zero = setup.calibration.angle_offset + settings.angle_offset
         return dataclasses.replace(
-            self.system,
+            self._built(settings.coupling_scale, settings.tip_edge_scale),
             setup=dataclasses.replace(setup, calibration=dataclasses.replace(setup.calibration, angle_offset=zero)),
             placement=dataclasses.replace(
                 placement,
@@ -190,6 +192,22 @@ class SystemBench(Record):
                 damping_ratio=drive.damping_ratio * settings.damping_scale,
             ),
         )
+
+    def _built(self, coupling: float, edges: float) -> System:
+        """Return the system with multiples of the coupling of neighbour teeth and of the radius of tip edges; the latest are kept."""
+        kept = self._kept
+        if (coupling, edges) not in kept:
+            system = self.system
+            kept[coupling, edges] = dataclasses.replace(
+                system, flanks=system.flanks.edged(edges), compliance=system.compliance.coupled(coupling)
+            )
+            while len(kept) > BUILT:
+                del kept[next(iter(kept))]
+        return kept[coupling, edges]
+
+    @cached_property
+    def _kept(self) -> dict[tuple[float, float], System]:
+        return {}
 
 
 def bench_of(campaign: Campaign, effects: Iterable[Effect] = ()) -> SystemBench:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.nuisances import Nuisance, moved_settings, nuisances_of
+from gearfem.diagnosis.nuisances import BUILD, Nuisance, moved_settings, nuisances_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.foundation import Array, Record
 
@@ -83,11 +83,11 @@ class Unknowns(Record):
 
     @property
     def scales(self) -> list[int]:
-        """Places of the outer nuisances but for the zero of the angle, of which nothing is expected."""
-        return [place for place, nuisance in enumerate(self.nuisances) if nuisance.name != "angle_offset"]
+        """Places of the outer nuisances but for the zero of the angle and how the gears are built, of which little is expected."""
+        return [place for place, nuisance in enumerate(self.nuisances) if nuisance.name != "angle_offset" and nuisance not in BUILD]
 
     def neutral(self, unknown: Array) -> Array:
-        """Return unknowns with scales as the model has them; the zero of the angle and all that is linear stay."""
+        """Return unknowns with scales as the model has them; zero of the angle, build of the gears and all that is linear stay."""
         found = unknown.copy()
         found[self.scales] = 0.0
         return found

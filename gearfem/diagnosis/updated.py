@@ -92,6 +92,8 @@ def calibration_table(known: Calibration, settings: Settings, proof: Proof) -> d
         "damping_scale": both.damping_scale,
         "gain": both.gain,
         "series_compliance_um_per_N": both.series_compliance / UM,
+        "coupling_scale": both.coupling_scale,
+        "tip_edge_scale": both.tip_edge_scale,
         "angle_offset_rad": both.angle_offset,
         "pinion_index_error_um": (both.pinion_late / UM).tolist(),
         "wheel_index_error_um": (both.wheel_late / UM).tolist(),

@@ -12,6 +12,7 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.rank import STRAYED
 from gearfem.diagnosis.search import Search, label
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Record
@@ -147,9 +148,15 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
 
 
 def _astray(search: Search) -> list[tuple[str, float]]:
-    """Return the nuisances that stand too far off to be nuisances in the fit without effects, in prior deviations."""
-    unknown, unknowns = search.alone.point.unknown, search.problem.unknowns
-    return [(unknowns.nuisances[at].words, float(unknown[at])) for at in unknowns.scales if abs(unknown[at]) >= ASTRAY]
+    """Return the nuisances that stand too far off to be nuisances in the fit without effects, in prior deviations.
+
+    Only those on which the records insist: to come back to what costs nothing would lose what counts as detected.
+    """
+    problem, alone = search.problem, search.alone
+    moved = alone.point.unknown[: problem.outer]
+    deviation = problem.whole.weighed(alone.point.weights).deviations[-problem.outer :]
+    insists = (np.abs(moved) - STRAYED) ** 2 > search.detected * deviation**2
+    return [(problem.nuisances[at].words, float(moved[at])) for at in problem.unknowns.scales if insists[at] and abs(moved[at]) >= ASTRAY]
 
 
 def closure(alone: Fit, best: Fit, problem: Problem) -> float:

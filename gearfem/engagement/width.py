@@ -241,7 +241,9 @@ def sliced_pair(flanks: Flanks, placement: Placement, compliance: Compliance, sl
     contacts = find_contacts(dataclasses.replace(flanks, pinion_odd=(), wheel_odd=()), even, position, (0,))
     read = read_compliance(dataclasses.replace(compliance, pinion_odd=(), wheel_odd=()), contacts)
     width = placement.pair.face_width
-    matrix = _spread(flanks.pinion.gear, width, slices, contacts.u1[:, 0]) + _spread(flanks.wheel.gear, width, slices, contacts.u2[:, 0])
+    # The gears of the compliance, whose tip edges no calibration moves: the solid elements do not see these.
+    pinion, wheel = compliance.pinion.outline.gear, compliance.wheel.outline.gear
+    matrix = _spread(pinion, width, slices, contacts.u1[:, 0]) + _spread(wheel, width, slices, contacts.u2[:, 0])
     # Unevenness comes of the width: edges of the profile are left to the law of the pair.
     far = np.full(len(position), placement.pair.pinion.module)
     line = Line(contacts.flank_radius[:, 0], read.depth1[:, 0], read.depth2[:, 0], far, contacts.edge_radius[:, 0])

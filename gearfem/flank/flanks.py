@@ -46,6 +46,21 @@ class Flanks(Record):
         """Return the outlines that differ, by tooth."""
         return dict(self.pinion_odd if member == "pinion" else self.wheel_odd)
 
+    def edged(self, scale: float) -> Flanks:
+        """Return the same flanks with tip edges of a multiple of their radius, which must leave a tip; 1 changes no bit."""
+
+        def edged(outline: Outline) -> Outline:
+            radius = scale * outline.gear.tip_edge_radius
+            return dataclasses.replace(outline, gear=dataclasses.replace(outline.gear, tip_edge_radius=radius))
+
+        return dataclasses.replace(
+            self,
+            pinion=edged(self.pinion),
+            wheel=edged(self.wheel),
+            pinion_odd=tuple((number, edged(outline)) for number, outline in self.pinion_odd),
+            wheel_odd=tuple((number, edged(outline)) for number, outline in self.wheel_odd),
+        )
+
 
 def make_flanks(setup: Setup) -> Flanks:
     """Return the flanks of a gear pair, measured ones where they are given, and refuse a pair whose flanks interfere.

@@ -47,6 +47,8 @@ def settings() -> Settings:
         damping_scale=0.7,
         gain=0.97,
         series_compliance=-8e-11,
+        coupling_scale=0.6,
+        tip_edge_scale=0.3,
     )
 
 

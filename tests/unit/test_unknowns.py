@@ -42,15 +42,18 @@ def test_settings_are_found_again_from_their_unknowns() -> None:
         damping_scale=1.4,
         gain=0.98,
         series_compliance=-3e-11,
+        coupling_scale=0.4,
+        tip_edge_scale=1.3,
     )
     unknown = unknowns.of(settings)
     again = unknowns.settings(unknown)
     for field in dataclasses.fields(Settings):
         assert getattr(again, field.name) == pytest.approx(getattr(settings, field.name), rel=1e-12, abs=0.0), field.name
-    # Five scales, the zero, the compliance in series, one constant, and four unknowns of each tooth, the index error first.
-    assert (unknowns.outer, unknowns.first_tooth, unknowns.first_form) == (7, 8, 8 + 4 * 30)
-    assert unknown[8:12] == pytest.approx([settings.pinion_late[0] / 1e-6, 0.0, 0.0, 0.0], rel=1e-12, abs=0.0)
-    assert sorted([*range(unknowns.first_form)[unknowns.late], *unknowns.wavy]) == [*range(8, 128)]
+    # Five scales and two of the build, the zero, the compliance in series, one constant, and four unknowns of each
+    # tooth, the index error first.
+    assert (unknowns.outer, unknowns.first_tooth, unknowns.first_form) == (9, 10, 10 + 4 * 30)
+    assert unknown[10:14] == pytest.approx([settings.pinion_late[0] / 1e-6, 0.0, 0.0, 0.0], rel=1e-12, abs=0.0)
+    assert sorted([*range(unknowns.first_form)[unknowns.late], *unknowns.wavy]) == [*range(10, 130)]
 
 
 def test_only_records_with_an_unknown_constant_have_one() -> None:
