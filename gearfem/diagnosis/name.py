@@ -100,7 +100,10 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     search.settle(jobs, progress, "rivals again")
     best = search.best()
     problem.prepare(best.effects, best.point.unknown)
-    return judge(search, shown)
+    naming = judge(search, shown)
+    if naming.best is not best:
+        problem.prepare(naming.best.effects, naming.best.point.unknown)
+    return naming
 
 
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:

@@ -98,22 +98,16 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     """Return the verdict of a search that is over, and what the records can show of each effect beside it."""
     alone = search.alone
     best = search.best()
-    scores = {key: search.score(fit) for key, fit in search.fits.items()}
-    own = scores[label(best.effects)]
-    gained = scores[()] - own
+    scores = {fit: search.score(fit) for fit in search.fits.values()}
+    gained = scores[alone] - scores[best]
     closed = closure(alone, best, search.problem)
     threshold = max(THRESHOLD, SHAPE * gained)
-    others = [(fit, scores[key] - own) for key, fit in search.fits.items() if fit is not best and fit.effects]
-    others.sort(key=lambda item: item[1])
+    others = sorted((fit for fit in scores if fit is not best and fit.effects), key=scores.__getitem__)
     # Only those that come near are worth the question.
-    imitated = {fit: search.imitated(fit) for fit, worse in others if worse < threshold}
-    rivals = tuple(
-        Rival(effects=fit.effects, score_difference=worse, why=_why(fit, best, worse, threshold, imitated.get(fit, ())))
-        for fit, worse in others
-    )
+    imitated = {fit: search.imitated(fit) for fit in others if scores[fit] - scores[best] < threshold}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
-    close = [fit for fit, worse in others if worse < threshold and len(fit.effects) <= len(best.effects) and not imitated[fit]]
+    close = [fit for fit, by in imitated.items() if len(fit.effects) <= len(best.effects) and not by]
     if not best.effects or gained < search.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
     elif remains > 1.0 and (closed < STANDS or remains > REST):
@@ -124,6 +118,12 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         verdict = "explained"
     else:
         verdict = "partly_explained"
+    if verdict == "ambiguous":
+        # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
+        first, best = best, min([best, *close], key=lambda fit: (len(fit.effects), _freedom(fit), scores[fit]))
+        others = [first, *(fit for fit in others if fit is not best)] if first is not best else others
+        closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
+    rivals = tuple(_rival(fit, best, scores[fit] - scores[best], threshold, imitated.get(fit, ())) for fit in others)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
     return Naming(
         verdict=verdict,
@@ -197,11 +197,22 @@ def _p_value(search: Search, best: Fit, number: int) -> float:
     return min(1.0, trials * float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters()))))
 
 
+def _freedom(fit: Fit) -> int:
+    """Return how many parameters an explanation has."""
+    return sum(len(effect.parameters()) for effect in fit.effects)
+
+
+def _rival(fit: Fit, best: Fit, worse: float, threshold: float, imitated: tuple[Effect, ...]) -> Rival:
+    return Rival(effects=fit.effects, score_difference=worse, why=_why(fit, best, worse, threshold, imitated))
+
+
 def _why(fit: Fit, best: Fit, difference: float, threshold: float, imitated: tuple[Effect, ...]) -> str:
     if imitated:
         return f"{imitated[0].describe()}: errors of our own model would be taken for half of it or more"
     if best.effects and set(label(best.effects)) < set(label(fit.effects)):
         return f"gains less by what it has beside the named effects than a further name must (score {difference:+.1f})"
+    if difference < 0.0:
+        return f"cannot be told apart: its score is better by {-difference:.1f}, less than {threshold:.1f}, with more parameters"
     if difference < threshold:
         return f"cannot be told apart: its score is worse by {difference:.1f}, less than {threshold:.1f}"
     return f"leaves more of the gap: score worse by {difference:.1f}"

@@ -47,7 +47,7 @@ CAPTIONS = {
 ASSUMPTIONS = (
     "Nuisances carry Gaussian priors: stiffness 5 %, compliance in series 8 % of a usual mesh, torque 1 %, gain 2 %, inertia 2 %, "
     "damping 30 %, coupling of neighbour teeth and radius of the tip edges 50 %, index error of each tooth 1 µm.",
-    "Errors of our own model carry priors too: contact law 30 %, bodies 20 %, depth of the contact, friction 0.02, "
+    "Errors of our own model carry priors too: contact law 50 %, bodies 20 %, depth of the contact, friction 0.02, "
     "misalignment 1 µm, centre distance 20 µm, form errors that all teeth share.",
     "Intervals are 95 % of a normal distribution, linear about the fit; nuisances and errors of the model are in them.",
 )
