@@ -55,8 +55,9 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     Notes
     -----
     The zero of the angle comes first, from the slow records where there are any; then a rough fit, whose remainder shows the noise; then
-    the fit itself, whose derivatives are taken twice: where scales are the model's, and where the fit from there ends. Scales that try
-    to do the work of a missing effect stand at their limits, where derivatives mean little.
+    the slow records by themselves, and the compliance in series and the damping that suit motions; then the fit itself, whose derivatives
+    are taken anew until that gains little. Scales that try to do the work of a missing effect stand at their limits, where derivatives
+    mean little.
     """
     records, pair = campaign.of("fit"), campaign.setup.pair
     noises = tuple(measure_noise(record, pair) for record in records)
@@ -64,7 +65,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     rough = Problem(campaign, records, noises, scatter or Scatter(), lambda effects: dataclasses.replace(make(effects), errors=()))
     refuse_magnitudes(campaign, rough.bench(()))
     level = dataclasses.replace(neutral(pair), angle_offset=_zero(rough, progress))
-    progress("nuisances", 0, 3)
+    progress("nuisances", 0, 4)
     found = _fit(rough, level, ROUGH)
     explained = (record.value - left for record, left in zip(records, found.left, strict=True))
     noises = tuple(measure_noise(record, pair, part) for record, part in zip(records, explained, strict=True))
@@ -86,6 +87,12 @@ def _fit(problem: Problem, start: Settings, rounds: int = ROUNDS) -> Fit:
     return problem.fit((), problem.prepare((), problem.unknowns.of(start)), rounds)
 
 
+def _few(problem: Problem, places: list[int]) -> Problem:
+    """Return the problem of the records at some places alone, with the nuisances that these can feel; not prepared."""
+    records, noises = tuple(problem.records[i] for i in places), tuple(problem.noises[i] for i in places)
+    return Problem(problem.campaign, records, noises, problem.unknowns.scatter, problem.bench)
+
+
 def _at_rest(problem: Problem, level: Settings) -> Settings:
     """Return settings that slow records have from either build of the gears, with edges as the model has them or sharp; else those given.
 
@@ -94,13 +101,7 @@ def _at_rest(problem: Problem, level: Settings) -> Settings:
     slow = [i for i, record in enumerate(problem.records) if not record.quantity.moving and not record.quantity.of_gear]
     if not slow:
         return level
-    few = Problem(
-        problem.campaign,
-        tuple(problem.records[i] for i in slow),
-        tuple(problem.noises[i] for i in slow),
-        problem.unknowns.scatter,
-        problem.bench,
-    )
+    few = _few(problem, slow)
     fits = [_fit(few, dataclasses.replace(level, tip_edge_scale=edges)) for edges in EDGES]
     return min(fits, key=lambda fit: fit.objective).settings
 
@@ -110,9 +111,9 @@ def _tuned(problem: Problem, unknown: Array) -> Array:
 
     The misfit of a resonance has a minimum wherever one of its lines meets one of the record's: no descent leaves a wrong one.
     """
-    names = [nuisance.name for nuisance in problem.nuisances]
     if not any(record.quantity.moving for record in problem.records):
         return unknown
+    names = [nuisance.name for nuisance in problem.nuisances]
     places = [names.index("series_compliance"), names.index("damping_scale")]
     best = problem.at((), unknown)
     for moved in itertools.product(SERIES_TRIED, DAMPING_TRIED):
@@ -127,12 +128,10 @@ def _zero(problem: Problem, progress: Progress) -> float:
     """Return the angle offset of the guess from which slow records, or all over the angle where none is slow, leave least."""
     if not any(nuisance.name == "angle_offset" for nuisance in problem.nuisances):
         return 0.0
-    over = [(r, noise) for r, noise in zip(problem.records, problem.noises, strict=True) if r.quantity.axis == "angle"]
-    used = [(record, noise) for record, noise in over if not record.quantity.moving] or over
-    records, noises = tuple(record for record, _ in used), tuple(noise for _, noise in used)
-    few = Problem(problem.campaign, records, noises, problem.unknowns.scatter, problem.bench)
+    over = [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle"]
+    few = _few(problem, [i for i in over if not problem.records[i].quantity.moving] or over)
     level = neutral(problem.campaign.setup.pair)
-    guesses = guess_zero(records, problem.bench(()), level, tuple(noise.std for noise in noises))
+    guesses = guess_zero(few.records, problem.bench(()), level, tuple(noise.std for noise in few.noises))
     fits = []
     for number, guess in enumerate(guesses):
         progress("angle zero", number, len(guesses))

@@ -79,8 +79,7 @@ def fit(
     hopeless : float
         Objective that a fit must promise to reach; one that will not is given up where it stands.
     fresh : bool
-        Whether the derivatives over scales and zero are taken where a round stands, at ten times the cost. Those of the first round are
-        always those of `Problem.prepare`, which then must have stood here.
+        Whether the derivatives over scales and zero are taken where a round stands rather than by `Problem.prepare`, at ten times the cost.
 
     Returns
     -------
@@ -99,7 +98,7 @@ def fit(
     what is linear are those of the last `prepare`.
     """
     point = problem.at(effects, unknown)
-    derivatives, exact = jacobian(problem, point), True
+    derivatives, exact = jacobian(problem, point, fresh), True
     for number in range(rounds):
         ahead = _ahead(problem, point, derivatives)
         gained, small = point.objective - ahead.objective, SETTLED + 1e-4 * point.objective

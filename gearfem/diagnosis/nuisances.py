@@ -25,11 +25,14 @@ class Nuisance(Record):
         For reports.
     prior : float
         Standard deviation: of the logarithm of a scale, which cannot turn negative; else of the value [SI].
-        Of a share, which may come down to nothing, that of its value.
     step : float
-        Step of the finite difference, in prior deviations.
+        Step of the finite difference, in prior deviations; negative where the other way may be impossible.
     reach : float
         Most prior deviations that a fit may go; farther is no nuisance any more.
+    level : float
+        Value of the model.
+    is_scale : bool
+        Whether it multiplies by more or less and never by nothing.
     """
 
     name: str
@@ -37,16 +40,8 @@ class Nuisance(Record):
     prior: float
     step: float = 0.1
     reach: float = 5.0
-
-    @property
-    def is_scale(self) -> bool:
-        """Whether it multiplies."""
-        return self.name not in ("angle_offset", "series_compliance", "coupling_scale", "tip_edge_scale")
-
-    @property
-    def level(self) -> float:
-        """Value of the model."""
-        return 1.0 if self.name.endswith("_scale") or self.name == "gain" else 0.0
+    level: float = 1.0
+    is_scale: bool = True
 
     @property
     def unit(self) -> str:
@@ -80,8 +75,8 @@ SERIES, USUAL_STIFFNESS = 0.08, 20e9
 # body that carries most of a deflection over; edges are sharp, or broken by some hundredths of a module. Both act far from linearly on
 # where pairs hand over, so that they are fitted, not taken for small errors.
 BUILD = (
-    Nuisance(name="coupling_scale", words="coupling of neighbour teeth through the bodies", prior=0.5, step=0.05, reach=1.8),
-    Nuisance(name="tip_edge_scale", words="radius of the tip edges", prior=0.5, step=0.05, reach=1.8),
+    Nuisance(name="coupling_scale", words="coupling of neighbour teeth through bodies", prior=0.5, step=0.05, reach=1.8, is_scale=False),
+    Nuisance(name="tip_edge_scale", words="radius of the tip edges", prior=0.5, step=-0.05, reach=1.8, is_scale=False),
 )
 # The unknown zero lies within half a pitch either way; its deviation is that of an equal distribution.
 UNIFORM = 1.0 / math.sqrt(12.0)
@@ -94,7 +89,8 @@ def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[
     found: list[Nuisance] = []
     if any(record.quantity.axis == "angle" for record in loaded) and not campaign.angle_known:
         pitch = campaign.setup.pair.pinion.pitch_angle
-        found.append(Nuisance(name="angle_offset", words="zero of the pinion angle", prior=UNIFORM * pitch, step=5e-3, reach=2.0))
+        words, prior = "zero of the pinion angle", UNIFORM * pitch
+        found.append(Nuisance(name="angle_offset", words=words, prior=prior, step=5e-3, reach=2.0, level=0.0, is_scale=False))
     if loaded:
         found += (*SCALES, *BUILD)
     if any(record.quantity.moving for record in loaded):
@@ -102,7 +98,7 @@ def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[
     if any(not record.quantity.free_constant or record.quantity.moving for record in loaded):
         prior = SERIES / (USUAL_STIFFNESS * campaign.setup.pair.face_width)
         words = "compliance in series with the teeth that the model misses"
-        found.append(Nuisance(name="series_compliance", words=words, prior=prior, step=0.25))
+        found.append(Nuisance(name="series_compliance", words=words, prior=prior, step=0.25, level=0.0, is_scale=False))
     assert quantities
     return tuple(found)
 

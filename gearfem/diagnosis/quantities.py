@@ -27,6 +27,8 @@ class Quantity(Record):
         Whether the record was taken at speed, so that the dynamics shape it.
     free_constant : bool
         Whether an unknown constant is part of every record.
+    jumps : bool
+        Whether it jumps where pairs hand over.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Quantity(Record):
     columns: tuple[str, str]
     moving: bool = False
     free_constant: bool = False
+    jumps: bool = False
 
     @property
     def of_gear(self) -> bool:
@@ -69,7 +72,7 @@ QUANTITIES = {
         Quantity(name="dynamic_transmission_error", axis="angle", columns=TRANSMISSION_ERROR, moving=True, free_constant=True),
         Quantity(name="pinion_angular_acceleration", axis="angle", columns=(ANGLE, "angular_acceleration_rad_per_s2"), moving=True),
         Quantity(name="dynamic_factor", axis="speed", columns=("pinion_speed_rpm", "dynamic_factor"), moving=True),
-        Quantity(name="mesh_stiffness", axis="angle", columns=(ANGLE, "mesh_stiffness_N_per_um")),
+        Quantity(name="mesh_stiffness", axis="angle", columns=(ANGLE, "mesh_stiffness_N_per_um"), jumps=True),
         Quantity(name="flank_profile", axis="roll", columns=("roll_length_mm", "deviation_um")),
         Quantity(name="radial_runout", axis="tooth", columns=("tooth", "radial_deviation_um"), free_constant=True),
         Quantity(name="pitch_deviation", axis="tooth", columns=("tooth", "pitch_deviation_um"), free_constant=True),

@@ -70,9 +70,9 @@ def fit_smooth(
 
     Notes
     -----
-    Eight lines of the mesh and two of each shaft, each with a part that does not depend on the torque and one in proportion to
-    it, at speed also one in proportion to the speed; least squares of the whitened rows, the least solution where the records
-    cannot tell the parts apart.
+    Eight lines of the mesh and two of each shaft, and a constant where records have none of their own, each with a part that does not
+    depend on the torque and one in proportion to it, at speed also one in proportion to the speed; least squares of the whitened rows,
+    the least solution where the records cannot tell the parts apart.
     """
     found = {}
     for name in {record.quantity.name for record in records if record.quantity.axis == "angle"}:
@@ -83,7 +83,7 @@ def fit_smooth(
         for place, i in enumerate(own):
             columns = _columns(records[i], pair, angle_offset, torque, speed)
             constant = np.zeros((len(columns), len(own)))
-            constant[:, place] = 1.0
+            constant[:, place] = float(records[i].quantity.free_constant)
             rows.append(noises[i].whitener.apply(np.concatenate([columns, constant], axis=1)))
             values.append(noises[i].whitener.apply(left[i]))
         solved = np.linalg.lstsq(np.concatenate(rows), np.concatenate(values), rcond=1e-9)[0]
@@ -101,7 +101,7 @@ def fit_smooth(
 def _columns(record: Measurement, pair: GearPair, offset: float, torque: float, speed: float) -> Array:
     """Return the waves times their parts, shape (n, k)."""
     angle = record.axis + offset
-    orders = [float(pair.pinion.teeth * line) for line in range(1, MESH + 1)]
+    orders = [float(pair.pinion.teeth * line) for line in range(int(record.quantity.free_constant), MESH + 1)]
     orders += [line * shaft for line in range(1, SHAFT + 1) for shaft in (1.0, 1.0 / pair.ratio)]
     turned = np.outer(angle, orders)
     waves = np.concatenate([np.cos(turned), np.sin(turned)], axis=1)

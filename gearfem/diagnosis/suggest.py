@@ -14,7 +14,7 @@ from gearfem.diagnosis.campaign import Measurement, make_record
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.model_form import model_form
-from gearfem.diagnosis.nuisances import MOVING, SCALES, slopes
+from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, slopes
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import tooth_columns
@@ -139,7 +139,7 @@ def _separation(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple
 def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBench, predicted: Array) -> Array:
     """Return what a constant, nuisances, errors of single teeth and of our own model do to a record, at one deviation each."""
     own = {nuisance.name: place for place, nuisance in enumerate(problem.nuisances)}
-    known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *MOVING) if nuisance.name not in own))
+    known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *BUILD, *MOVING) if nuisance.name not in own))
     moved = np.array([fit.point.unknown[own[nuisance.name]] if nuisance.name in own else 0.0 for nuisance in known])
     constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
     scatter = problem.unknowns.scatter

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
-from functools import cached_property
+from collections.abc import Callable, Iterable
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -175,7 +175,7 @@ class SystemBench(Record):
         inertia = settings.inertia_scale / settings.stiffness_scale
         zero = setup.calibration.angle_offset + settings.angle_offset
         return dataclasses.replace(
-            self._built(settings.coupling_scale, settings.tip_edge_scale),
+            self._build(settings.coupling_scale, settings.tip_edge_scale),
             setup=dataclasses.replace(setup, calibration=dataclasses.replace(setup.calibration, angle_offset=zero)),
             placement=dataclasses.replace(
                 placement,
@@ -193,21 +193,13 @@ class SystemBench(Record):
             ),
         )
 
-    def _built(self, coupling: float, edges: float) -> System:
-        """Return the system with multiples of the coupling of neighbour teeth and of the radius of tip edges; the latest are kept."""
-        kept = self._kept
-        if (coupling, edges) not in kept:
-            system = self.system
-            kept[coupling, edges] = dataclasses.replace(
-                system, flanks=system.flanks.edged(edges), compliance=system.compliance.coupled(coupling)
-            )
-            while len(kept) > BUILT:
-                del kept[next(iter(kept))]
-        return kept[coupling, edges]
-
     @cached_property
-    def _kept(self) -> dict[tuple[float, float], System]:
-        return {}
+    def _build(self) -> Callable[[float, float], System]:
+        """What makes the system with multiples of the coupling of neighbour teeth and of the radius of tip edges; the latest are kept."""
+        flanks, compliance = self.system.flanks, self.system.compliance
+        return lru_cache(BUILT)(
+            lambda coupling, edges: dataclasses.replace(self.system, flanks=flanks.edged(edges), compliance=compliance.coupled(coupling))
+        )
 
 
 def bench_of(campaign: Campaign, effects: Iterable[Effect] = ()) -> SystemBench:

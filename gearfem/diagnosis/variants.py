@@ -66,9 +66,9 @@ def _misplaced(system: System) -> System:
     return dataclasses.replace(system, placement=effect.act(system.placement, system.setup))
 
 
-# Sizes: what independent ways of computing each part differ by (laws of contact, the linear one of Yang and Sun yielding a third of
-# Weber and Banaschek's; depth rules: twice the way from the depth that yields
-# as the tooth does to Weber and Banaschek's, body formulae), and friction, alignment and centre distance that nobody measured.
+# Sizes: what independent ways of computing each part differ by, and what nobody measured (friction, alignment, centre distance). Laws of
+# contact: the linear one of Yang and Sun yields a third of Weber and Banaschek's. Depth rules: twice the way from the depth that yields as
+# the tooth does to Weber and Banaschek's.
 VARIANTS = (
     Variant(words="contact law, 50 %", change=_contact(1.50)),
     Variant(words="gear bodies, 20 %", change=_body(1.20)),

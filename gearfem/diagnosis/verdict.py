@@ -102,9 +102,9 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     gained = scores[alone] - scores[best]
     closed = closure(alone, best, search.problem)
     threshold = max(THRESHOLD, SHAPE * gained)
-    others = sorted((fit for fit in scores if fit is not best and fit.effects), key=scores.__getitem__)
+    ranked = sorted((fit for fit in scores if fit.effects), key=scores.__getitem__)
     # Only those that come near are worth the question.
-    imitated = {fit: search.imitated(fit) for fit in others if scores[fit] - scores[best] < threshold}
+    imitated = {fit: search.imitated(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < threshold}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
     close = [fit for fit, by in imitated.items() if len(fit.effects) <= len(best.effects) and not by]
@@ -120,10 +120,12 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         verdict = "partly_explained"
     if verdict == "ambiguous":
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
-        first, best = best, min([best, *close], key=lambda fit: (len(fit.effects), _freedom(fit), scores[fit]))
-        others = [first, *(fit for fit in others if fit is not best)] if first is not best else others
+        best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
-    rivals = tuple(_rival(fit, best, scores[fit] - scores[best], threshold, imitated.get(fit, ())) for fit in others)
+    rivals = tuple(
+        Rival(effects=fit.effects, score_difference=worse, why=_why(fit, best, worse, threshold, imitated.get(fit, ())))
+        for fit, worse in ((fit, scores[fit] - scores[best]) for fit in ranked if fit is not best)
+    )
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
     return Naming(
         verdict=verdict,
@@ -195,15 +197,6 @@ def _p_value(search: Search, best: Fit, number: int) -> float:
     pair = search.problem.campaign.setup.pair
     trials = 40 + 3 * (pair.pinion.teeth + pair.wheel.teeth)
     return min(1.0, trials * float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters()))))
-
-
-def _freedom(fit: Fit) -> int:
-    """Return how many parameters an explanation has."""
-    return sum(len(effect.parameters()) for effect in fit.effects)
-
-
-def _rival(fit: Fit, best: Fit, worse: float, threshold: float, imitated: tuple[Effect, ...]) -> Rival:
-    return Rival(effects=fit.effects, score_difference=worse, why=_why(fit, best, worse, threshold, imitated))
 
 
 def _why(fit: Fit, best: Fit, difference: float, threshold: float, imitated: tuple[Effect, ...]) -> str:

@@ -9,12 +9,15 @@ from typing import Any, NamedTuple
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.identify import Identifiability
+from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, SERIES
 from gearfem.diagnosis.prove import Gap
+from gearfem.diagnosis.teeth import Scatter
+from gearfem.diagnosis.variants import VARIANTS
 from gearfem.diagnosis.verdict import Rival
 from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, stderr
 from gearfem.effects.effect import Effect
 from gearfem.foundation.files import whole
-from gearfem.foundation.units import factor
+from gearfem.foundation.units import UM, factor
 from gearfem.report.diagnosis_plots import write_diagnosis_pictures
 from gearfem.report.html import inline, template
 
@@ -45,10 +48,9 @@ CAPTIONS = {
     "map_wheel": ("On which teeth of the wheel", "The same for the wheel."),
 }
 ASSUMPTIONS = (
-    "Nuisances carry Gaussian priors: stiffness 5 %, compliance in series 8 % of a usual mesh, torque 1 %, gain 2 %, inertia 2 %, "
-    "damping 30 %, coupling of neighbour teeth and radius of the tip edges 50 %, index error of each tooth 1 µm.",
-    "Errors of our own model carry priors too: contact law 50 %, bodies 20 %, depth of the contact, friction 0.02, "
-    "misalignment 1 µm, centre distance 20 µm, form errors that all teeth share.",
+    f"Nuisances carry Gaussian priors: {'; '.join(f'{one.words} {100.0 * one.prior:.2g} %' for one in (*SCALES, *BUILD, *MOVING))}; "
+    f"compliance in series {100.0 * SERIES:g} % of that of a usual mesh; index error of each tooth {Scatter().index / UM:g} µm.",
+    f"Errors of our own model carry priors too: {'; '.join(variant.words for variant in VARIANTS)}; form errors that all teeth share.",
     "Intervals are 95 % of a normal distribution, linear about the fit; nuisances and errors of the model are in them.",
 )
 

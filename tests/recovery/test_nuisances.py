@@ -16,6 +16,8 @@ from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.localise import localise
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
+from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.smooth import fit_smooth
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, respond, tooth_columns
 from gearfem.diagnosis.zones import ZONES, in_zones, leading_teeth
@@ -276,3 +278,25 @@ def test_a_speed_that_no_mesh_line_fits_is_refused() -> None:
     wrong = dataclasses.replace(right, records=(shaken(60.0, 60.0 * RPM),))
     with pytest.raises(InputError, match=r"pinion_speed_rpm.*given in rad/s"):
         refuse_magnitudes(wrong, SPRINGS)
+
+
+def test_the_smooth_correction_stays_as_large_as_the_gap_over_a_part_of_a_turn() -> None:
+    """A mesh stiffness has no constant of its own that could hide what the slow waves of a short record add up to."""
+    axis = np.linspace(0.3, 0.9, 300)
+    true = 1e7 * (1.0 + 0.5 * np.cos(17.0 * axis))
+    record = make_record("mesh_stiffness", axis, true, pinion_torque=100.0, noise_std=2e5)
+    left = true + np.random.default_rng(4).normal(0.0, 2e5, len(axis))
+    noise = measure_noise(record, PAIR)
+    smooth = fit_smooth((record,), (noise,), (left,), PAIR, 0.0)["mesh_stiffness"]
+    assert np.sqrt(np.mean((left - smooth.at(record)) ** 2)) < 2.2e5
+
+
+def test_derivatives_are_those_of_the_columns_where_the_problem_was_prepared(healthy: Comparison) -> None:
+    problem, alone = healthy.problem, healthy.alone
+    unknown = problem.prepare((), alone.point.unknown)
+    point = problem.at((), unknown)
+    assert problem.slopes(point) is problem.scales
+    problem.stood = (problem.stood[0] + 1.0, problem.stood[1])
+    taken = problem.slopes(point)
+    assert taken is not problem.scales
+    assert np.array_equal(taken, problem.scales)
