@@ -23,6 +23,8 @@ APART = 0.05
 PARALLEL = 1e-9
 # Those on a shelf may differ by so much [rad].
 SLOPING = 0.05
+# Stands for their difference where the wheel has no point; at the edge of an undercut tooth normals differ by more than a radian.
+NOWHERE = np.pi
 
 
 class Meeting(NamedTuple):
@@ -35,7 +37,7 @@ class Meeting(NamedTuple):
     direction1, direction2 : ndarray
         Directions of the pinion's outward and the wheel's inward normal in the fixed frame [rad].
     mismatch : ndarray
-        Their difference, falling through 0 at a touch from root to tip [rad]; +-1 where the wheel has no point.
+        Their difference, falling through 0 at a touch from root to tip [rad]; +-`NOWHERE` where the wheel has no point.
     point : ndarray, shape (..., 2)
         In the fixed frame [m].
     radius : ndarray
@@ -153,7 +155,7 @@ def _meet(pinion: Outline, wheel: Outline, distance: float, axis1: Array, u1: Ar
     mate, normal2 = wheel.evaluate(u2)
     axis2 = np.arctan2(-y, distance - x) - np.arctan2(mate[:, 1], mate[:, 0])
     direction1, direction2 = direction + axis1, normal2 + axis2
-    mismatch = np.where(radius > wheel.gear.tip_radius, 1.0, np.where(radius < wheel.form_radius, -1.0, direction1 - direction2))
+    mismatch = np.where(radius > wheel.gear.tip_radius, NOWHERE, np.where(radius < wheel.form_radius, -NOWHERE, direction1 - direction2))
     return Meeting(u1, u2, axis2, direction1, direction2, mismatch, np.stack([x, y], axis=-1), radius)
 
 
@@ -197,7 +199,7 @@ def _first(candidates: Candidates, met: Meeting, shelf: bool = False) -> tuple[C
     if shelf:
         touching = (kind == SHELF) & (apart < SLOPING)
     else:
-        touching = np.where(kind == TANGENT, apart < PARALLEL, np.where(kind == EDGE1, apart < 1.0, kind == EDGE2))
+        touching = np.where(kind == TANGENT, apart < PARALLEL, np.where(kind == EDGE1, apart < NOWHERE, kind == EDGE2))
     order = np.lexsort((met.axis2, candidates.row))
     order = order[touching[order]]
     _, first = np.unique(candidates.row[order], return_index=True)

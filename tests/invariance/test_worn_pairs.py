@@ -57,7 +57,19 @@ def placed(pair: GearPair, coal_combine) -> Placement:
 @settings(max_examples=25, deadline=None)
 @given(data=st.data())
 def test_random_worn_pairs(data, gear_factory, coal_combine, dense_gap) -> None:
-    pair, flanks = data.draw(worn_pairs(gear_factory))
+    _assert_contacts_hold(*data.draw(worn_pairs(gear_factory)), coal_combine, dense_gap)
+
+
+def test_contact_on_an_undercut_edge(gear_factory, coal_combine, dense_gap) -> None:
+    """The edge of a heavily undercut tooth touches while its flank stands more than a radian off."""
+    gears = [gear_factory(13, 1e-3, 7.4766e-3, 0.0), gear_factory(12, 1e-3, 7.2891e-3, 0.3125)]
+    distance = zero_backlash_centre_distance(*gears)
+    pair = GearPair(pinion=gears[0], wheel=gears[1], centre_distance=distance, face_width=10e-3, normal_backlash=0.0)
+    worn = deviation(gears[1], (0.046875, 0.25, 0.25, 0.0, 0.0))
+    _assert_contacts_hold(pair, Flanks(pinion=Outline(gear=gears[0]), wheel=Outline(gear=gears[1], deviation=worn)), coal_combine, dense_gap)
+
+
+def _assert_contacts_hold(pair: GearPair, flanks: Flanks, coal_combine, dense_gap) -> None:
     placement, pitch = placed(pair, coal_combine), pair.pinion.pitch_angle
     angle = np.linspace(-0.8, 0.8, 49) * pitch
     contacts = find_contacts(flanks, placement, angle, (0,))
