@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +14,9 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from gearfem.foundation import Array, Record
+
+# Weights under which columns stay factorised.
+KEPT = 4
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,8 +61,12 @@ class Marginal(Record):
         return dataclasses.replace(self, columns=columns, products=tuple(product[:count, :count] for product in self.products))
 
     def weighed(self, weights: Array) -> Marginal:
-        """Return the same columns with other weights."""
-        return dataclasses.replace(self, weights=weights)
+        """Return the same columns with other weights; a fit tries its steps under the same ones, which are factorised once."""
+        return self._weighed(tuple(weights.tolist()))
+
+    @cached_property
+    def _weighed(self) -> Callable[[tuple[float, ...]], Marginal]:
+        return functools.lru_cache(KEPT)(lambda weights: dataclasses.replace(self, weights=np.array(weights)))
 
     def part(self, places: NDArray[Any]) -> Marginal:
         """Return the records at some places alone."""

@@ -56,8 +56,8 @@ class Problem:
         Where it was prepared last: under which effects, and at which outer unknowns and index errors.
     columns : tuple of ndarray, shapes (n, i)
         Of each record over the inner unknowns in prior deviations [SI], once prepared.
-    scales : ndarray, shape (m, outer)
-        Of all whitened rows over the outer unknowns.
+    scales, lateness : ndarray, shapes (m, outer), (m, z1 + z2)
+        Of all whitened rows over the outer unknowns, and over the index errors.
     linear, whole : Marginal
         The inner unknowns, and all of them.
     floor, counts, memory : ndarray, shape (r,)
@@ -69,6 +69,7 @@ class Problem:
     stood: tuple[Array, Array]
     columns: tuple[Array, ...]
     scales: Array
+    lateness: Array
     linear: Marginal
     whole: Marginal
 
@@ -98,7 +99,9 @@ class Problem:
         part = copy.copy(self)
         part.records, part.noises = tuple(self.records[i] for i in places), tuple(self.noises[i] for i in places)
         part.columns = tuple(self.columns[i] for i in places)
-        part.scales = np.concatenate([self.scales[self.linear.rows[i]] for i in places])
+        part.scales, part.lateness = (
+            np.concatenate([whole[self.linear.rows[i]] for i in places]) for whole in (self.scales, self.lateness)
+        )
         part.linear, part.whole = self.linear.part(places), self.whole.part(places)
         part.floor, part.counts, part.memory = self.floor[places], self.counts[places], self.memory[places]
         return part
@@ -125,6 +128,8 @@ class Problem:
         inner = self.columns[0].shape[1]
         self.linear = self.whole.first(inner)
         self.scales = np.concatenate([part[:, inner:] for part in self.whole.columns])
+        late = np.arange(self.outer + inner)[self.unknowns.late] - self.outer
+        self.lateness = np.concatenate([part[:, late] for part in self.linear.columns])
         return np.concatenate([unknown, np.zeros(self.outer + inner - len(unknown))])
 
     def remember(self, fit: Fit) -> None:
@@ -151,7 +156,7 @@ class Problem:
         index = np.zeros_like(unknown)
         index[self.unknowns.late] = unknown[self.unknowns.late]
         index = index[self.outer :]
-        residual = self._residual(predicted, index)
+        residual = self._residual(predicted, unknown[self.unknowns.late])
         deserved, rounds = (np.ones(len(self.records)), 3) if weights is None else (weights, rounds)
         pulls, squares = self.linear.pulls(residual), self.squares(residual)
         for _ in range(rounds):
@@ -209,10 +214,10 @@ class Problem:
         """Return what of unknowns predictions depend on: the outer ones and the index errors."""
         return unknown[: self.outer], unknown[self.unknowns.late]
 
-    def _residual(self, predicted: tuple[Array, ...], index: Array) -> Array:
-        """Return measured less predicted, whitened; the index errors, which the prediction holds, are put back by their columns."""
+    def _residual(self, predicted: tuple[Array, ...], late: Array) -> Array:
+        """Return measured less predicted, whitened; index errors that the prediction holds, (z1 + z2,), are put back by columns."""
         misfit = self.whiten(tuple(record.value - part for record, part in zip(self.records, predicted, strict=True)))
-        return misfit + self.linear.moved(index)
+        return misfit + self.lateness @ late
 
     # ---- fitting --------------------------------------------------------------------------------
 

@@ -31,7 +31,7 @@ DEPTHS = 101
 # Systems of other coupling and tip edges that stay in memory: those of a derivative.
 BUILT = 4
 # Longest step of motions by 1/omega_n: an error far below what a motion is expected to be predicted to (see `march_turns`).
-STRIDE = 0.5
+STRIDE = 0.7
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

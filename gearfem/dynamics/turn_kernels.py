@@ -252,9 +252,9 @@ def march(
     """Step from pitch `begin` past the last sample; the wheel torque follows its balance over `settling` pitches, then stays.
 
     `samples` (m,) are places, increasing; `state` (2, n) coordinates and rates at the start, and then at the end. Outputs (m,):
-    transmission error [m], psi1'' [rad/s2], normal force [N] and moment of the teeth on the pinion [N m]; `means` (3,): mean
-    moments on pinion and wheel, and share of the time without contact on the working flank. Returns the wheel torque, NaN where it
-    failed.
+    transmission error [m] and, unless these are empty, psi1'' [rad/s2], normal force [N] and moment of the teeth on the pinion [N m];
+    `means` (3,): mean moments on pinion and wheel, and share of the time without contact on the working flank. Returns the wheel
+    torque, NaN where it failed.
     """
     size = state.shape[1]
     desk, matrix, work, right = np.zeros((count, COLUMNS)), np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
@@ -295,13 +295,15 @@ def march(
                 at = samples[sample]
                 for i in range(size):
                     ys[i], vs[i] = between((at - q) / (stop - q), h, y[i], v[i], start[i], rise[i], v[i] + rate[i], last[i])
+                error[sample], sample = ys[0], sample + 1
+                if force.size == 0:
+                    continue
                 first = arrange(at, first, teeth, rows, desk, matrix, right)
                 m1, m2, f = push(dot(train.touch, ys), dot(train.touch, vs), at, middle, teeth, rows, desk, matrix, work, right)
                 if not abs(f) < np.inf:
                     return np.nan
                 accelerate(at, torque1, torque2, m1, m2, f, ys, vs, teeth, train, now)
-                error[sample], force[sample], moment[sample], acceleration[sample] = ys[0], f, m1, now[size]
-                sample, moved = sample + 1, True
+                force[sample - 1], moment[sample - 1], acceleration[sample - 1], moved = f, m1, now[size], True
             if number >= begin + settling and not touching:
                 means[2] += stop - q
             for i in range(size):

@@ -73,6 +73,7 @@ def march_turns(
     torque: float | None = None,
     stride: float = STRIDE,
     start: Array | None = None,
+    loads: bool = True,
 ) -> TurnsMotion:
     """Return the steady motion at pinion angles, over any number of turns.
 
@@ -90,6 +91,8 @@ def march_turns(
         Longest step by 1/omega_n; the fewest steps to a pitch, 128 with the default, go with it.
     start : ndarray, shape (2, n), optional
         `end` of the motion at a neighbouring speed, on whose branch this one is to be; by default the slow engagement.
+    loads : bool
+        Whether accelerations, factors and forces are wanted at the angles too, which cost up to as much as the steps; empty where not.
 
     Returns
     -------
@@ -136,7 +139,7 @@ def march_turns(
     samples = angle[order] / pair.pinion.pitch_angle
     begin = math.floor(samples[0]) - plan.settling
     rows, count = rows_of(turns, begin, samples[-1])
-    outputs, means = np.empty((4, angle.size)), np.zeros(3)
+    error, at_angles, means = np.empty(angle.size), np.empty((3, angle.size if loads else 0)), np.zeros(3)
     if start is None:
         lag, rate = _slow_start(turns, drive, torque, begin, speed)
         moved = (turns.mesh.placement.support - plan.placement.support) * torque / pair.pinion.base_radius
@@ -154,21 +157,21 @@ def march_turns(
         teeth_of(plan, speed),
         rows,
         train_of(plan),
-        *outputs,
+        error,
+        *at_angles,
         means,
     )
     if not math.isfinite(wheel_torque):
         found = f"motion over turns at {speed:g} rad/s: it grows without bound, or its loads do not converge"
         raise SolveError(f"{found}; raise the damping or take a shorter stride")
-    found_at = np.empty_like(outputs)
-    found_at[:, order] = outputs
-    error, acceleration, force, moment = found_at
+    asked = np.argsort(order)
+    acceleration, force, moment = at_angles[:, asked] if loads else at_angles
     return TurnsMotion(
         pinion_angle=angle,
         pinion_speed=speed,
         pinion_torque=torque,
         wheel_torque=wheel_torque,
-        transmission_error=error,
+        transmission_error=error[asked],
         pinion_acceleration=acceleration,
         dynamic_factor=moment / torque if drive.pinion_chain else 1.0 - drive.pinion_inertia * acceleration / torque,
         mesh_force=force,

@@ -94,7 +94,8 @@ def at_speed(system: System, channel: Channel, angle: Array, stated_torque: floa
         before = min(math.ceil(speed * instrument.settling / pitch), MOST_PITCHES) + 1
         first, last = math.floor(turned.min() / pitch) - before, math.ceil(turned.max() / pitch) + 1
         grid = np.arange(first * RINGING_ANGLES, last * RINGING_ANGLES) / RINGING_ANGLES * pitch
-    motion = march_turns(turns, system.drive, np.concatenate([turned, grid]), speed=speed, torque=torque, stride=stride)
+    angles, loads = np.concatenate([turned, grid]), channel == "pinion_acceleration"
+    motion = march_turns(turns, system.drive, angles, speed=speed, torque=torque, stride=stride, loads=loads)
     value, whole = np.split(getattr(motion, channel), [turned.size])
     if instrument.resonances:
         value = value + CubicSpline(grid, instrument.ringing(whole, pitch / RINGING_ANGLES / speed))(turned)

@@ -68,6 +68,7 @@ def main(model: str) -> None:
     print(f"slow engagement: {1e6 * slow:.2f} us an angle; `engage` takes {exact / slow:.0f} times as long")
 
     whole = best(lambda: march_turns(turns, drive, angle))
+    bare = best(lambda: march_turns(turns, drive, angle, loads=False))
     few = best(lambda: march_turns(turns, drive, angle[[0, -1]]))
     motion = march_turns(turns, drive, angle)
     slope = best(lambda: mean_stiffness(turns, torque))
@@ -77,6 +78,7 @@ def main(model: str) -> None:
     print(
         f"  steps {1e3 * (few - run_in):.1f} ms, reading {1e3 * (whole - few):.1f} ms ({1e6 * (whole - few) / angle.size:.2f} us an angle)"
     )
+    print(f"  without loads at the angles {bare / whole:.2f} of the time")
 
 
 def standard(pitch: float) -> np.ndarray:

@@ -66,7 +66,8 @@ def test_contact_on_an_undercut_edge(gear_factory, coal_combine, dense_gap) -> N
     distance = zero_backlash_centre_distance(*gears)
     pair = GearPair(pinion=gears[0], wheel=gears[1], centre_distance=distance, face_width=10e-3, normal_backlash=0.0)
     worn = deviation(gears[1], (0.046875, 0.25, 0.25, 0.0, 0.0))
-    _assert_contacts_hold(pair, Flanks(pinion=Outline(gear=gears[0]), wheel=Outline(gear=gears[1], deviation=worn)), coal_combine, dense_gap)
+    flanks = Flanks(pinion=Outline(gear=gears[0]), wheel=Outline(gear=gears[1], deviation=worn))
+    _assert_contacts_hold(pair, flanks, coal_combine, dense_gap)
 
 
 def _assert_contacts_hold(pair: GearPair, flanks: Flanks, coal_combine, dense_gap) -> None:

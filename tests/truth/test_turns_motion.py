@@ -175,6 +175,14 @@ def test_dynamic_factors_are_those_of_single_records(turns, drive) -> None:
     assert factors == pytest.approx(alone, rel=1e-12, abs=0.0)
 
 
+def test_motion_without_its_loads_is_the_same(turns, drive) -> None:
+    angle = np.random.default_rng(3).uniform(0.0, 2.0 * math.tau, 200)
+    whole, bare = (march_turns(turns, drive, angle, speed=120.0, loads=loads) for loads in (True, False))
+    assert bare.transmission_error == pytest.approx(whole.transmission_error, rel=1e-9, abs=1e-15)
+    assert bare.end == pytest.approx(whole.end, rel=1e-9, abs=1e-15)
+    assert bare.mesh_force.size == bare.pinion_acceleration.size == bare.dynamic_factor.size == 0
+
+
 def test_what_cannot_be_stepped_is_refused(turns, drive) -> None:
     with pytest.raises(InputError, match="positive speed"):
         march_turns(turns, drive, 0.0, speed=0.0)
