@@ -9,6 +9,7 @@ from types import ModuleType
 
 import numpy as np
 from numpy.polynomial import legendre
+from scipy.sparse import csr_array
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Bench, Settings, Swing, Weights
@@ -152,8 +153,9 @@ def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int)
     moving = bench.read(moving, step / speed)
     place = (axis - grid[0]) / step
     below = np.minimum(place.astype(int), len(grid) - 2)
-    part = (place - below)[:, None]
-    return np.asarray((1.0 - part) * moving[below] + part * moving[below + 1])
+    part, rows = place - below, np.arange(len(axis))
+    between = csr_array((np.r_[1.0 - part, part], (np.r_[rows, rows], np.r_[below, below + 1])), shape=(len(axis), len(grid)))
+    return np.asarray(between @ moving)
 
 
 def respond(errors: Array, rates: Array, swing: Swing, step: float, acceleration: bool) -> Array:

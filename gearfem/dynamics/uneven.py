@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Hashable, Sequence
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def repeats(turns: Turns, drive: DriveTrain) -> int:
     placement, (z1, z2) = turns.mesh.placement, turns.teeth
     rippled = {ripple.member for ripple in drive.ripples}
 
-    def differ(kinds: list[str], late: Array, runout: tuple[float, float]) -> bool:
+    def differ(kinds: Sequence[Hashable], late: Array, runout: tuple[float, float]) -> bool:
         return len(set(kinds)) > 1 or bool(np.ptp(late) > 0.0) or any(runout)
 
     one = differ(turns.kinds[0], placement.pinion_late, placement.pinion_runout) or "pinion" in rippled

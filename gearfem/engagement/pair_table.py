@@ -44,6 +44,14 @@ class Span(NamedTuple):
     code: int
 
 
+class Way(NamedTuple):
+    """The way of a pair through the engagement: its spans, the knots of the cells of each, and the contacts there, clear of kinks."""
+
+    spans: list[Span]
+    knots: list[Array]
+    contacts: Contacts
+
+
 class Rough(NamedTuple):
     """Samples x (n,) of the way, and by what the logarithm of the radius of curvature changes between them (n - 1,)."""
 
@@ -104,7 +112,14 @@ def levels(module: float) -> Array:
     return np.asarray(top - LEVEL * np.arange(count)[::-1], np.float64)
 
 
-def pair_table(mesh: Mesh, number: int, cells: int = CELLS) -> PairTable:
+def way_of(mesh: Mesh, number: int) -> Way:
+    """Return the way of a pair, see `pair_table`; what yields has no part in it."""
+    spans, rough = _spans(mesh, number)
+    knots = [_split(_graded(span, CELLS), rough) for span in spans]
+    return Way(spans, knots, _contacts(mesh, number, np.concatenate([_inside(part) for part in knots])))
+
+
+def pair_table(mesh: Mesh, number: int, way: Way | None = None) -> PairTable:
     """Tabulate one tooth pair.
 
     Parameters
@@ -113,8 +128,8 @@ def pair_table(mesh: Mesh, number: int, cells: int = CELLS) -> PairTable:
         With placement without index errors, runout and supports: these act on whole rows and are added when angles are solved.
     number : int
         Number of the pair; its teeth may be odd ones.
-    cells : int
-        Cells to the pitch.
+    way : Way, optional
+        Its way, or that of a pair of the same outlines, where that is known.
 
     Returns
     -------
@@ -132,10 +147,10 @@ def pair_table(mesh: Mesh, number: int, cells: int = CELLS) -> PairTable:
     Levels are exact: samples of the law at given loads start Newton's method at each level. Between knots and levels the load errs by
     2e-5 where the band just meets an edge, by 2e-6 in 99 of 100 places (tests/truth/test_turns.py).
     """
-    spans, rough = _spans(mesh, number)
-    knots = [_split(_graded(span, cells), rough) for span in spans]
-    rows = [_inside(part) for part in knots]
-    contacts = _contacts(mesh, number, np.concatenate(rows))
+    spans, knots, contacts = way or way_of(mesh, number)
+    # What yields goes by the number of the pair.
+    angle = contacts.pinion_angle + (number - contacts.pairs[0]) * mesh.placement.pair.pinion.pitch_angle
+    contacts = dataclasses.replace(contacts, pairs=(number,), pinion_angle=angle)
     system = mesh.system(contacts)
     quantities = (contacts.arm1, contacts.arm2, contacts.friction_arm1, contacts.friction_arm2, contacts.sliding_velocity)
     values = np.concatenate([system.gap, *quantities, np.ones_like(system.gap)], axis=1)

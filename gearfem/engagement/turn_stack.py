@@ -5,23 +5,37 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections import OrderedDict
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Hashable
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.engagement.engage import Mesh
-from gearfem.engagement.pair_table import LEVEL, CouplingTable, coupling_table, pair_table
+from gearfem.engagement.pair_table import LEVEL, CouplingTable, PairTable, coupling_table, pair_table, way_of
 from gearfem.foundation import Array
 
 Table = TypeVar("Table")
 Ints = NDArray[np.int64]
 
 BINS = 1024
-# A table takes 2 MB: a quarter of a gigabyte at most.
-KEPT = 128
-_memory: OrderedDict[str, Any] = OrderedDict()
+# A table takes 2 MB, a way or a coupling little: a quarter of a gigabyte at most.
+KEPT = 192
+_memory: OrderedDict[Hashable, Any] = OrderedDict()
+
+
+class Kind(NamedTuple):
+    """Digests of a tooth: of its outline and of what yields."""
+
+    outline: str
+    compliance: str
+
+
+class Common(NamedTuple):
+    """Digests of what all pairs share: of where the teeth stand, and of how they touch."""
+
+    placement: str
+    contact: str
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -50,17 +64,17 @@ class Stack:
         return (*own, self.partners, self.cknots, self.cbins, self.coupling)
 
 
-def make_stack(mesh: Mesh, common: str, kinds: list[str], numbers: Ints) -> Stack:
+def make_stack(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbers: Ints) -> Stack:
     """Return the tables of some pairs, made where no earlier ones have the same content.
 
     Parameters
     ----------
     mesh : Mesh
         Without index errors, runout and supports.
-    common : str
-        Digest of what all pairs share.
-    kinds : list of str, length h
-        Digest of what is a pair's own, for each pair of the period.
+    common : Common
+        What all pairs share.
+    kinds : list of (Kind, Kind), length h
+        Both teeth of each pair of the period.
     numbers : ndarray of int, shape (k,)
         Pairs of the period that are needed.
 
@@ -70,11 +84,11 @@ def make_stack(mesh: Mesh, common: str, kinds: list[str], numbers: Ints) -> Stac
     """
     needed = {kinds[number]: int(number) for number in numbers[::-1]}
     order = {kind: place for place, kind in enumerate(needed)}
-    found = {kind: _kept(common + kind, pair_table, mesh, number) for kind, number in needed.items()}
+    found = {kind: _kept((common, kind), _table, mesh, common, kind, number) for kind, number in needed.items()}
     tables = list(found.values())
     count = math.ceil(max(table.knots[-1] for table in tables) - min(table.knots[0] for table in tables))
     partners = np.zeros((max(count - 1, 1), len(kinds)), np.int64)
-    joined: dict[tuple[int, str, str], int] = {}
+    joined: dict[tuple[int, tuple[Kind, Kind], tuple[Kind, Kind]], int] = {}
     couplings: list[CouplingTable] = [CouplingTable(knots=np.array([-2e9, -1e9]), coupling=np.zeros((1, 4)))]
     for apart in range(1, count):
         for number in numbers.tolist():
@@ -82,7 +96,7 @@ def make_stack(mesh: Mesh, common: str, kinds: list[str], numbers: Ints) -> Stac
             if two not in found:
                 continue
             if (apart, one, two) not in joined:
-                table = _kept(f"{common}{apart}{one}{two}", coupling_table, mesh, number, apart, (found[one], found[two]))
+                table = _kept((common, apart, one, two), coupling_table, mesh, number, apart, (found[one], found[two]))
                 joined[apart, one, two] = len(couplings) if table is not None else 0
                 couplings += [] if table is None else [table]
             partners[apart - 1, number] = joined[apart, one, two]
@@ -103,7 +117,13 @@ def make_stack(mesh: Mesh, common: str, kinds: list[str], numbers: Ints) -> Stac
     )
 
 
-def _kept(key: str, make: Callable[..., Table], *args: Any) -> Table:
+def _table(mesh: Mesh, common: Common, kind: tuple[Kind, Kind], number: int) -> PairTable:
+    """Return the table of a pair; its way is that of any with the same outlines at the same places."""
+    way = _kept((common.placement, *(tooth.outline for tooth in kind)), way_of, mesh, number)
+    return pair_table(mesh, number, way)
+
+
+def _kept(key: Hashable, make: Callable[..., Table], *args: Any) -> Table:
     """Return the table of this content, made at need; the last `KEPT` stay."""
     table: Table | None = _memory.get(key)
     if table is None:

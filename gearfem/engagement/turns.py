@@ -13,7 +13,7 @@ from gearfem.definition.setup import Member
 from gearfem.engagement.contacts import REACH
 from gearfem.engagement.engage import LARGEST_OVERLOAD, Mesh
 from gearfem.engagement.pair_table import kernels, levels
-from gearfem.engagement.turn_stack import Stack, make_stack
+from gearfem.engagement.turn_stack import Common, Kind, Stack, make_stack
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.record import digest
 from gearfem.foundation.units import MM
@@ -118,22 +118,22 @@ class Turns(Record):
         return dataclasses.replace(self.mesh, placement=placement)
 
     @functools.cached_property
-    def kinds(self) -> tuple[list[str], list[str]]:
-        """Digest of outline and compliance of every tooth of both gears."""
+    def kinds(self) -> tuple[list[Kind], list[Kind]]:
+        """Outline and compliance of every tooth of both gears."""
         return self._kinds("pinion", self.teeth[0]), self._kinds("wheel", self.teeth[1])
 
-    def _kinds(self, member: Member, teeth: int) -> list[str]:
+    def _kinds(self, member: Member, teeth: int) -> list[Kind]:
         flanks, compliance = self.mesh.flanks, self.mesh.compliance
         outlines, yields = flanks.odd(member), compliance.odd(member)
         usual = digest(flanks.of(member)), digest(compliance.of(member))
         outline = {tooth: digest(odd) for tooth, odd in outlines.items()}
         yielding = {tooth: digest(odd) for tooth, odd in yields.items()}
-        return [outline.get(tooth, usual[0]) + yielding.get(tooth, usual[1]) for tooth in range(teeth)]
+        return [Kind(outline.get(tooth, usual[0]), yielding.get(tooth, usual[1])) for tooth in range(teeth)]
 
     @functools.cached_property
-    def common(self) -> str:
-        """Digest of what all pairs share."""
-        return digest((self.bare.placement, self.bare.law, self.bare.flanks.lead))
+    def common(self) -> Common:
+        """What all pairs share."""
+        return Common(digest(self.bare.placement), digest((self.bare.law, self.bare.flanks.lead)))
 
     @functools.cached_property
     def plain(self) -> Turns:
@@ -161,9 +161,9 @@ class Turns(Record):
             self._stacks[key] = make_stack(self.bare, self.common, [self._kind(number) for number in range(self.period)], numbers)
         return self._stacks[key]
 
-    def _kind(self, number: int) -> str:
+    def _kind(self, number: int) -> tuple[Kind, Kind]:
         """Return what tells apart the pairs that need tables of their own."""
-        return self.kinds[0][number % self.teeth[0]] + self.kinds[1][number % self.teeth[1]]
+        return self.kinds[0][number % self.teeth[0]], self.kinds[1][number % self.teeth[1]]
 
 
 def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: float = 0.0) -> StaticTurns:
