@@ -13,7 +13,9 @@ from gearfem.diagnosis.comparison import Compared, Comparison, Shift
 from gearfem.diagnosis.fit import ROUNDS, Fit, again
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.problem import BenchOf, Problem
+from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.zero import guess_zero
@@ -115,12 +117,16 @@ def _tuned(problem: Problem, unknown: Array) -> Array:
         return unknown
     names = [nuisance.name for nuisance in problem.nuisances]
     places = [names.index("series_compliance"), names.index("damping_scale")]
-    best = problem.at((), unknown)
-    for moved in itertools.product(SERIES_TRIED, DAMPING_TRIED):
+
+    def one(moved: tuple[float, float]) -> Point | None:
         tried = unknown.copy()
         tried[places] = moved
         with contextlib.suppress(SolveError):
-            best = min(best, problem.at((), tried), key=lambda point: point.objective)
+            return problem.at((), tried)
+        return None
+
+    found = side_by_side(one, list(itertools.product(SERIES_TRIED, DAMPING_TRIED)))
+    best = min([problem.at((), unknown), *(point for point in found if point)], key=lambda point: point.objective)
     return best.unknown
 
 

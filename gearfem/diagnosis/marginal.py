@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import itertools
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -64,11 +62,17 @@ class Marginal(Record):
 
     def weighed(self, weights: Array) -> Marginal:
         """Return the same columns with other weights; a fit tries its steps under the same ones, which are factorised once."""
-        return self._weighed(tuple(weights.tolist()))
+        key, known = weights.tobytes(), self._known
+        if key not in known:
+            if len(known) == KEPT:
+                del known[next(iter(known))]
+            known[key] = dataclasses.replace(self, weights=weights)
+        return known[key]
 
     @cached_property
-    def _weighed(self) -> Callable[[tuple[float, ...]], Marginal]:
-        return functools.lru_cache(KEPT)(lambda weights: dataclasses.replace(self, weights=np.array(weights)))
+    def _known(self) -> dict[bytes, Marginal]:
+        """The latest with other weights, which do not hold this one: columns are too large to wait until circles are looked for."""
+        return {}
 
     def part(self, places: NDArray[Any]) -> Marginal:
         """Return the records at some places alone."""

@@ -196,9 +196,10 @@ class SystemBench(Record):
     @cached_property
     def _build(self) -> Callable[[float, float], System]:
         """What makes the system with multiples of the coupling of neighbour teeth and of the radius of tip edges; the latest are kept."""
-        flanks, compliance = self.system.flanks, self.system.compliance
+        # It holds the system, not the bench: what holds itself stays in memory until circles are looked for.
+        system, flanks, compliance = self.system, self.system.flanks, self.system.compliance
         return lru_cache(BUILT)(
-            lambda coupling, edges: dataclasses.replace(self.system, flanks=flanks.edged(edges), compliance=compliance.coupled(coupling))
+            lambda coupling, edges: dataclasses.replace(system, flanks=flanks.edged(edges), compliance=compliance.coupled(coupling))
         )
 
 
