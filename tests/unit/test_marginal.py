@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -62,3 +65,28 @@ def test_products_alone_settle_what_the_rows_do() -> None:
     rows = residual - whole.moved(whole.solve(residual))
     np.testing.assert_allclose(solved, whole.solve(residual), rtol=1e-12)
     np.testing.assert_allclose(left, [rows[:30] @ rows[:30], rows[30:] @ rows[30:]], rtol=1e-12)
+
+
+def test_columns_are_let_go() -> None:
+    """They take a gigabyte: nothing may hold them in a circle until the collector comes by."""
+    whole = marginal((np.random.default_rng(5).normal(size=(20, 4)),))
+    lighter = whole.weighed(np.array([0.5]))
+    assert lighter is whole.weighed(np.array([0.5]))
+    assert lighter.deviations.shape == (4,)
+    held = weakref.ref(whole)
+    gc.disable()
+    try:
+        del whole
+        assert held() is None
+    finally:
+        gc.enable()
+
+
+def test_products_without_zeros_are_the_same() -> None:
+    """Columns of which a few at a time are not zero are multiplied in runs of rows."""
+    rng = np.random.default_rng(6)
+    columns = np.zeros((300, 40))
+    for row in range(300):
+        columns[row, (row // 10 + np.arange(5)) % 40] = rng.normal(size=5)
+    found = marginal((columns,)).products[0]
+    assert found == pytest.approx(columns.T @ columns, rel=1e-12, abs=1e-12)
