@@ -253,15 +253,15 @@ def march(
 
     `samples` (m,) are places, increasing; `state` (2, n) coordinates and rates at the start, and then at the end. Outputs (m,):
     transmission error [m] and, unless these are empty, psi1'' [rad/s2], normal force [N] and moment of the teeth on the pinion [N m];
-    `means` (3,): mean moments on pinion and wheel, and share of the time without contact on the working flank. Returns the wheel
-    torque, NaN where it failed.
+    `means` (4,): mean moments on pinion and wheel, share of the time without contact on the working flank, and the least psi1'' of the
+    steps between the samples, by parabolas through the least of them and its neighbours. Returns the wheel torque, NaN where it failed.
     """
     size = state.shape[1]
     desk, matrix, work, right = np.zeros((count, COLUMNS)), np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
     y, v, ys, vs, rise, rate = state[0].copy(), state[1].copy(), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size)
     start, last, now = np.zeros(size + 1), np.zeros(size + 1), np.zeros(size + 1)
     first, sample, number, recent1, recent2, moved = -(1 << 60), 0, begin, 0.0, 0.0, True
-    means[:] = 0.0
+    means[:], least, older, newer, cut = 0.0, np.inf, np.nan, np.nan, False
     while sample < samples.size:
         own1, own2, part, q = 0.0, 0.0, 0, float(number)
         while part < steps:
@@ -291,6 +291,15 @@ def march(
             moved = False
             if not abs(y[0] + rise[0]) < UNBOUNDED:
                 return np.nan
+            if samples[0] <= q <= samples[-1]:
+                least = min(least, start[size])
+                if newer < older and newer < start[size]:
+                    least = min(least, newer - (start[size] - older) ** 2 / (8.0 * (older - 2.0 * newer + start[size])))
+                older, newer = newer, start[size]
+                if stop < end or cut:
+                    # Parts of a step are no equal distances.
+                    older, newer = np.nan, np.nan
+                cut = stop < end
             while sample < samples.size and samples[sample] < stop:
                 at = samples[sample]
                 for i in range(size):
@@ -319,5 +328,6 @@ def march(
             means[0], means[1] = means[0] + own1, means[1] + own2
         number += 1
     means /= max(number - begin - settling, 1)
+    means[3] = least
     state[0], state[1] = y, v
     return float(torque2)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import os
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,6 +33,9 @@ class TurnsMotion(Record):
         psi1'' [rad/s2].
     dynamic_factor : ndarray, shape (n,)
         Kw = 1 - J1 psi1''/T1; where T1 acts beyond a shaft, M1/T1 of the moment M1 of the teeth.
+    least_acceleration : float
+        Least psi1'' between the first angle and the last one [rad/s2], by parabolas through the steps, which err by up to an eighth of a
+        jump of friction; 0 if no step lies there.
     mesh_force : ndarray, shape (n,)
         Normal force on the working flanks, less that on the back flanks [N].
     contact_loss : float
@@ -56,6 +57,7 @@ class TurnsMotion(Record):
     transmission_error: Array
     pinion_acceleration: Array
     dynamic_factor: Array
+    least_acceleration: float
     mesh_force: Array
     contact_loss: float
     run_in: int
@@ -139,7 +141,7 @@ def march_turns(
     samples = angle[order] / pair.pinion.pitch_angle
     begin = math.floor(samples[0]) - plan.settling
     rows, count = rows_of(turns, begin, samples[-1])
-    error, at_angles, means = np.empty(angle.size), np.empty((3, angle.size if loads else 0)), np.zeros(3)
+    error, at_angles, means = np.empty(angle.size), np.empty((3, angle.size if loads else 0)), np.zeros(4)
     if start is None:
         lag, rate = _slow_start(turns, drive, torque, begin, speed)
         moved = (turns.mesh.placement.support - plan.placement.support) * torque / pair.pinion.base_radius
@@ -174,6 +176,7 @@ def march_turns(
         transmission_error=error[asked],
         pinion_acceleration=acceleration,
         dynamic_factor=moment / torque if drive.pinion_chain else 1.0 - drive.pinion_inertia * acceleration / torque,
+        least_acceleration=float(means[3]) if math.isfinite(means[3]) else 0.0,
         mesh_force=force,
         contact_loss=float(means[2]),
         run_in=plan.settling,
@@ -181,45 +184,6 @@ def march_turns(
         steps=plan.steps,
         end=state,
     )
-
-
-def dynamic_factors(turns: Turns, drive: DriveTrain, speeds: ArrayLike, torque: float | None = None, workers: int | None = None) -> Array:
-    """Return the largest Kw over the first turn of the pinion, from angle 0, at each speed.
-
-    Parameters
-    ----------
-    turns, drive
-        As for `march_turns`.
-    speeds : array_like, shape (n,)
-        Mean speeds of the pinion [rad/s].
-    torque : float, optional
-        Mean torque of the pinion [N m]; by default the drive's.
-    workers : int, optional
-        Threads; by default one for each core.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Over 96 angles to the pitch, which misses a peak by at most (pi/96)^2/2 of the height of its wave for every
-        wave to the pitch, squared.
-
-    Raises
-    ------
-    InputError, SolveError
-        As `march_turns`.
-    """
-    values = np.atleast_1d(np.asarray(speeds, float))
-    count = turns.teeth[0] * KW_ANGLES
-    angle = np.arange(count) / count * math.tau
-
-    def largest(speed: float) -> float:
-        return float(march_turns(turns, drive, angle, speed=speed, torque=torque).dynamic_factor.max())
-
-    # Tables first: threads would make them twice.
-    found = [largest(float(values[0]))]
-    with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
-        found += list(pool.map(largest, values[1:].tolist()))
-    return np.array(found)
 
 
 def _slow_start(turns: Turns, drive: DriveTrain, torque: float, begin: int, speed: float) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from gearfem.dynamics.turns import march_turns
+from gearfem.dynamics.turns import KW_ANGLES, march_turns
 from gearfem.dynamics.turns_plan import STRIDE
 from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement.turns import StaticTurns, Turns, static
@@ -100,3 +100,18 @@ def at_speed(system: System, channel: Channel, angle: Array, stated_torque: floa
     if instrument.resonances:
         value = value + CubicSpline(grid, instrument.ringing(whole, pitch / RINGING_ANGLES / speed))(turned)
     return np.asarray(instrument.gain * value)
+
+
+def least_acceleration(system: System, stated_torque: float, speed: float, stride: float = STRIDE) -> float:
+    """Return the least reading of the pinion's acceleration over its first turn [rad/s2].
+
+    Arguments as for `at_speed`. It is that of the steps of the motion; with resonances of the instrument, that of 96 angles to the pitch.
+    """
+    teeth, instrument = system.setup.pair.pinion.teeth, system.instrument
+    if instrument.resonances:
+        angle = np.arange(teeth * KW_ANGLES) / (teeth * KW_ANGLES) * math.tau
+        return float(at_speed(system, "pinion_acceleration", angle, stated_torque, speed, stride).min())
+    turn = system.setup.calibration.angle_offset - speed * instrument.delay + np.array([0.0, math.tau])
+    torque = system.torque(stated_torque)
+    motion = march_turns(Turns(mesh=system.mesh), system.drive, turn, speed=speed, torque=torque, stride=stride, loads=False)
+    return instrument.gain * motion.least_acceleration

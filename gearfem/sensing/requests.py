@@ -5,7 +5,6 @@ from __future__ import annotations
 import abc
 import dataclasses
 import functools
-import math
 import os
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -15,11 +14,10 @@ from typing import ClassVar
 import numpy as np
 
 from gearfem.definition.setup import Member
-from gearfem.dynamics.turns import KW_ANGLES
 from gearfem.dynamics.turns_plan import STRIDE
 from gearfem.foundation import Array, Record
 from gearfem.placement import runout_gap
-from gearfem.sensing.motion import at_speed, slope, slowly
+from gearfem.sensing.motion import at_speed, least_acceleration, slope, slowly
 from gearfem.sensing.system import System
 
 
@@ -98,13 +96,10 @@ class DynamicFactor(Request):
 
     def of(self, system: System) -> Array:
         """Return the largest dynamic factors."""
-        count = system.setup.pair.pinion.teeth * KW_ANGLES
-        angle = np.arange(count) / count * math.tau
         share = system.drive.pinion_inertia / system.torque(self.pinion_torque)
 
         def largest(speed: float) -> float:
-            acceleration = at_speed(system, "pinion_acceleration", angle, self.pinion_torque, speed, self.stride)
-            return float((1.0 - share * acceleration).max())
+            return 1.0 - share * least_acceleration(system, self.pinion_torque, speed, self.stride)
 
         # The first one makes the tables, which threads would make twice.
         first = [largest(float(speed)) for speed in self.axis[:1]]

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from gearfem.dynamics import DriveTrain, elastic_motion, unloaded_transport
 from gearfem.dynamics.record import Ripple
-from gearfem.dynamics.turns import dynamic_factors, march_turns
+from gearfem.dynamics.turns import march_turns
 from gearfem.dynamics.turns_plan import mean_stiffness
 from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement import Mesh, MeshForce, mesh_force
@@ -167,12 +167,14 @@ def test_slow_ripples_of_both_shafts_add_on_the_pinion(drive) -> None:
     assert found == pytest.approx(expected, rel=1e-14, abs=0.0)
 
 
-def test_dynamic_factors_are_those_of_single_records(turns, drive) -> None:
-    speeds = [80.0, 120.0, 160.0]
-    factors = dynamic_factors(turns, drive, speeds, workers=2)
-    angle = np.arange(20 * 96) / (20 * 96) * math.tau
-    alone = [march_turns(turns, drive, angle, speed=speed).dynamic_factor.max() for speed in speeds]
-    assert factors == pytest.approx(alone, rel=1e-12, abs=0.0)
+@pytest.mark.parametrize("speed", [40.0, 80.0, 120.0, 160.0])
+@pytest.mark.parametrize(("stride", "friction", "most"), [(0.2, 0.0, 1e-3), (0.7, 0.0, 4e-3), (0.2, 0.05, 1e-2)])
+def test_least_acceleration_is_that_of_dense_angles(turns, drive, speed, stride, friction, most) -> None:
+    """Steps and parabolas through them miss a peak by a small part of its height, at a reversal of friction by a part of that jump."""
+    angle = np.linspace(0.0, math.tau, 20 * 400)
+    motion = march_turns(turns, dataclasses.replace(drive, friction_coefficient=friction), angle, speed=speed, stride=stride)
+    height = float(np.ptp(motion.pinion_acceleration))
+    assert motion.least_acceleration == pytest.approx(motion.pinion_acceleration.min(), rel=0.0, abs=most * height)
 
 
 def test_motion_without_its_loads_is_the_same(turns, drive) -> None:
