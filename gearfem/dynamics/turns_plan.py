@@ -25,7 +25,8 @@ MEMBERS: tuple[Member, ...] = get_args(Member)
 # Longest step by 1/omega_n and with it the fewest steps to a pitch: see `march_turns` for their accuracy. Modes of shafts and supports
 # that are faster than the teeth's may turn on by so many times as much in a step, up to 0.8 rad, which damps them by 0.2 % of critical.
 STRIDE, FEWEST, SHAFTS, LONGEST = 0.2, 128, 2.5, 0.8
-# The start, the slow engagement, is forgotten to exp(-DECAY) = 1e-4 before the first angle; no run-in is longer than these pitches.
+# The start, the slow engagement, is forgotten to exp(-DECAY) = 1e-4 before the first angle, or to as much more as longer steps err more, by
+# their square; no run-in is longer than these pitches.
 DECAY, LEAST_SETTLING, MOST_SETTLING = 9.0, 4, 2000
 SLOPE_ANGLES = 64
 
@@ -77,7 +78,7 @@ def make_plan(turns: Turns, drive: DriveTrain, speed: float, torque: float, stri
     decay, fastest = train.rates(stiffness, damper, base1, base2)
     turn = min(SHAFTS * stride, LONGEST)
     steps = max(math.ceil(FEWEST * STRIDE / stride), math.ceil(natural * length / stride), math.ceil(fastest * length / turn))
-    return Plan(placement, drive, train, stiffness, damper, steps, *_run_in(decay * length))
+    return Plan(placement, drive, train, stiffness, damper, steps, *_run_in(decay * length, DECAY + 2.0 * math.log(STRIDE / stride)))
 
 
 def mesh_mode(drive: DriveTrain, stiffness: float, base1: float, base2: float) -> tuple[float, float]:
@@ -166,10 +167,10 @@ def train_of(plan: Plan) -> Any:
     return kernels().Train(*waves, train.by_load, train.by_place, train.by_rate, train.touch)
 
 
-def _run_in(decay: float) -> tuple[int, float]:
-    """Return the pitches of the run-in and what remains of the start, for a decay per pitch."""
+def _run_in(decay: float, wanted: float) -> tuple[int, float]:
+    """Return the pitches of the run-in and what remains of the start, for a decay per pitch and one that is wanted in all."""
     least = math.log(10.0) / MOST_SETTLING
     if decay < least:
         raise InputError("operation.damping_ratio", f"a decay by {decay:.2g} to the pitch", f"damping that settles: at least {least:.2g}")
-    count = min(max(math.ceil(DECAY / decay), LEAST_SETTLING), MOST_SETTLING)
+    count = min(max(math.ceil(wanted / decay), LEAST_SETTLING), MOST_SETTLING)
     return count, math.exp(-decay * count)
