@@ -28,11 +28,6 @@ Freed: TypeAlias = Callable[[Array], tuple[Array, Array]]
 # What makes the model with effects.
 BenchOf: TypeAlias = Callable[[tuple[Effect, ...]], SystemBench]
 
-# Share of its own deviation to which a record is predicted when all that is named is known: waviness finer than the terms fitted, teeth
-# that act on each other by it, and at speed its linearised response; healthy pairs leave this much. Of a mesh stiffness, which jumps where
-# pairs hand over, one row in fifty or so lies on the wrong side of a jump.
-ACCURACY_SLOW, ACCURACY_MOVING, ACCURACY_JUMPING = 0.04, 0.15, 0.30
-
 
 class Problem:
     """Records of one campaign with their noise, and the nuisances that all fits share; the columns of these are made once.
@@ -228,7 +223,5 @@ class Problem:
 
 def _floor(record: Measurement, noise: Noise) -> float:
     """Return the least mean square of whitened rows that a model of finite accuracy can be expected to leave of a record."""
-    quantity = record.quantity
-    accuracy = ACCURACY_JUMPING if quantity.jumps else ACCURACY_MOVING if quantity.moving else ACCURACY_SLOW
-    error = accuracy * float(np.std(record.value[record.keep]))
+    error = record.quantity.accuracy * float(np.std(record.value[record.keep]))
     return 1.0 + (error / noise.std) ** 2

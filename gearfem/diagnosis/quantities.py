@@ -10,6 +10,11 @@ from gearfem.foundation.units import factor
 
 Axis = Literal["angle", "speed", "roll", "tooth"]
 
+# What healthy pairs leave, of their own deviation: of slow records waviness finer than the terms fitted; at speed also the linearised
+# response, and teeth that act on each other by it; of a mesh stiffness, which jumps where pairs hand over, one row in fifty or so that lies
+# on the wrong side of a jump; of the largest Kw of a turn, which waviness raises, a third to a half.
+SLOW, MOVING, JUMPING, LARGEST = 0.04, 0.15, 0.30, 0.50
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Quantity(Record):
@@ -27,8 +32,8 @@ class Quantity(Record):
         Whether the record was taken at speed, so that the dynamics shape it.
     free_constant : bool
         Whether an unknown constant is part of every record.
-    jumps : bool
-        Whether it jumps where pairs hand over.
+    accuracy : float
+        Share of its own deviation to which a record is predicted when all that is named is known.
     """
 
     name: str
@@ -36,7 +41,7 @@ class Quantity(Record):
     columns: tuple[str, str]
     moving: bool = False
     free_constant: bool = False
-    jumps: bool = False
+    accuracy: float = SLOW
 
     @property
     def of_gear(self) -> bool:
@@ -69,10 +74,18 @@ QUANTITIES = {
     quantity.name: quantity
     for quantity in (
         Quantity(name="static_transmission_error", axis="angle", columns=TRANSMISSION_ERROR, free_constant=True),
-        Quantity(name="dynamic_transmission_error", axis="angle", columns=TRANSMISSION_ERROR, moving=True, free_constant=True),
-        Quantity(name="pinion_angular_acceleration", axis="angle", columns=(ANGLE, "angular_acceleration_rad_per_s2"), moving=True),
-        Quantity(name="dynamic_factor", axis="speed", columns=("pinion_speed_rpm", "dynamic_factor"), moving=True),
-        Quantity(name="mesh_stiffness", axis="angle", columns=(ANGLE, "mesh_stiffness_N_per_um"), jumps=True),
+        Quantity(
+            name="dynamic_transmission_error", axis="angle", columns=TRANSMISSION_ERROR, moving=True, free_constant=True, accuracy=MOVING
+        ),
+        Quantity(
+            name="pinion_angular_acceleration",
+            axis="angle",
+            columns=(ANGLE, "angular_acceleration_rad_per_s2"),
+            moving=True,
+            accuracy=MOVING,
+        ),
+        Quantity(name="dynamic_factor", axis="speed", columns=("pinion_speed_rpm", "dynamic_factor"), moving=True, accuracy=LARGEST),
+        Quantity(name="mesh_stiffness", axis="angle", columns=(ANGLE, "mesh_stiffness_N_per_um"), accuracy=JUMPING),
         Quantity(name="flank_profile", axis="roll", columns=("roll_length_mm", "deviation_um")),
         Quantity(name="radial_runout", axis="tooth", columns=("tooth", "radial_deviation_um"), free_constant=True),
         Quantity(name="pitch_deviation", axis="tooth", columns=("tooth", "pitch_deviation_um"), free_constant=True),
