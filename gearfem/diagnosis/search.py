@@ -146,6 +146,10 @@ class Search:
         out = [np.abs(gear - np.median(gear)).max() / max(1.0, float(median_abs_deviation(gear, scale="normal"))) for gear in gears]
         return np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], out])
 
+    def stays(self, fit: Fit) -> bool:
+        """Return whether scales, errors of our model and index errors of a fit stay where they do the work of no effect."""
+        return bool(np.abs(self.astray(fit)).max() < STRAYED)
+
     @property
     def detected(self) -> float:
         """Least gain that counts."""

@@ -22,6 +22,9 @@ Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplaine
 # Explanations closer than this cannot be told apart: scores wander by up to 50 where derivatives are taken again. Shapes of real effects
 # differ from ours, by this share of what they explain.
 THRESHOLD, SHAPE = 40.0, 0.005
+# Wear, slope or relief of one gear and its mirror on the other differ in the transmission error by less than errors of our model; their
+# scores wander by so much.
+MIRRORED = 150.0
 # Share of the gap that names must close: less is no explanation, and more brings it to the noise.
 STANDS, CLOSED = 0.60, 0.90
 # What fits may leave, over what can be expected of them, before it counts as a gap.
@@ -44,11 +47,14 @@ class Rival(Record):
         By how much its score is worse.
     why : str
         Why it lost, or that it did not.
+    near : bool
+        Whether the data cannot tell it from the chosen one.
     """
 
     effects: tuple[Effect, ...]
     score_difference: float
     why: str
+    near: bool
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -103,8 +109,9 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     closed = closure(alone, best, search.problem)
     threshold = max(THRESHOLD, SHAPE * gained)
     ranked = sorted((fit for fit in scores if fit.effects), key=scores.__getitem__)
+    limit = {fit: max(threshold, MIRRORED) if _mirrored(fit, best) else threshold for fit in ranked}
     # Only those that come near are worth the question.
-    imitated = {fit: search.imitated(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < threshold}
+    imitated = {fit: search.imitated(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit[fit]}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
     close = [fit for fit, by in imitated.items() if len(fit.effects) <= len(best.effects) and not by]
@@ -123,7 +130,12 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     rivals = tuple(
-        Rival(effects=fit.effects, score_difference=worse, why=_why(fit, best, worse, threshold, imitated.get(fit, ())))
+        Rival(
+            effects=fit.effects,
+            score_difference=worse,
+            why=_why(fit, best, worse, limit[fit], imitated.get(fit, ())),
+            near=worse < limit[fit],
+        )
         for fit, worse in ((fit, scores[fit] - scores[best]) for fit in ranked if fit is not best)
     )
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
@@ -136,7 +148,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         closed=closed,
         rivals=rivals,
         identifiable=shown,
-        threshold=threshold,
+        threshold=max(threshold, *(limit[fit] for fit in close)) if close else threshold,
         sentence=sentence_of(verdict, named, closed),
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {search.detected:.0f}.",
@@ -147,6 +159,12 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
             ),
         ),
     )
+
+
+def _mirrored(fit: Fit, best: Fit) -> bool:
+    """Return whether an explanation has the same effects as the best one, those of all teeth on the other gear."""
+    sets = [sorted((e.name, getattr(e, "tooth", -1), e.member if hasattr(e, "tooth") else "") for e in one.effects) for one in (fit, best)]
+    return sets[0] == sets[1] and any(e.of_one_gear() and not hasattr(e, "tooth") for e in best.effects)
 
 
 def _astray(search: Search) -> list[tuple[str, float]]:

@@ -96,7 +96,7 @@ def write_diagnosis_report(diagnosis: Diagnosis, out: Path) -> list[Path]:
         parameters=_parameters(diagnosis),
         effects=naming.fit.effects,
         p_values=naming.p_values,
-        rivals=[_rival(rival, naming.threshold) for rival in (diagnosis.alternatives or naming.rivals[:8])],
+        rivals=[_rival(rival) for rival in (diagnosis.alternatives or naming.rivals[:8])],
         identifiable=[_identifiable(one, diagnosis.campaign.setup) for one in naming.identifiable],
         nuisances=nuisance_rows(diagnosis),
         finding=FINDING,
@@ -155,11 +155,11 @@ def _identifiable(one: Identifiability, setup: Setup) -> dict[str, Any]:
     }
 
 
-def _rival(rival: Rival, threshold: float) -> dict[str, Any]:
+def _rival(rival: Rival) -> dict[str, Any]:
     return {
         "effects": " and ".join(title(effect) for effect in rival.effects),
         "difference": f"{rival.score_difference:.1f}",
-        "near": rival.score_difference < threshold,
+        "near": rival.near,
         "why": rival.why,
         "detail": "; ".join(effect.describe() for effect in rival.effects),
     }

@@ -6,7 +6,8 @@ import dataclasses
 import json
 import math
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -14,14 +15,18 @@ from click.testing import CliRunner
 
 from gearfem.assembly import assemble
 from gearfem.cli import main
-from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, prove, read_campaign, write_diagnosis
+from gearfem.definition.setup import Member
+from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, likely_teeth, prove, read_campaign, write_diagnosis
 from gearfem.diagnosis.diagnose import _held
-from gearfem.diagnosis.fit import jacobian
+from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.mimic import mimicked
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.suggest import suggest
+from gearfem.diagnosis.verdict import _mirrored
 from gearfem.diagnosis.write import as_json
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.contact_compliance import ContactCompliance
+from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.runout import Runout
@@ -189,11 +194,41 @@ def test_how_far_a_shape_may_be_wrong_imitates_another_effect_and_not_its_own(fo
     assert other > 3.0 * alone
 
 
-@pytest.mark.parametrize(("share", "verdict"), [(0.9, "unexplained"), (1.0, "explained")])
-def test_a_name_that_does_worse_than_nuisances_where_nobody_looked_is_withdrawn(found: Diagnosis, share: float, verdict: str) -> None:
-    held = _held(found.naming, dataclasses.replace(found.proof, over_nuisances=share))
+@pytest.mark.parametrize(("share", "stays", "verdict"), [(0.9, True, "unexplained"), (0.9, False, "explained"), (1.0, True, "explained")])
+def test_a_name_that_does_worse_than_nuisances_where_nobody_looked_is_withdrawn(
+    found: Diagnosis, share: float, stays: bool, verdict: str
+) -> None:
+    """Unless these stray so far that they do the work of an effect themselves."""
+    held = _held(found.naming, dataclasses.replace(found.proof, over_nuisances=share), stays)
     assert held.verdict == verdict
     assert bool(held.fit.effects) == (verdict == "explained")
+
+
+def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
+    slope = ProfileSlope(gear="pinion", amount=5.0 * UM)
+    pit = Pitting(gear="pinion", tooth=3, depth=4.0 * UM, centre=5.0 * MM, width=2.0 * MM)
+    other, relief = ProfileSlope(gear="wheel", amount=-4.0 * UM), TipRelief(gear="wheel", amount=3.0 * UM, length=2.0 * MM)
+
+    def mirrored(*sets: tuple[Effect, ...]) -> bool:
+        return _mirrored(*(cast(Fit, SimpleNamespace(effects=effects)) for effects in sets))
+
+    assert mirrored((other,), (slope,))
+    assert mirrored((pit, other), (slope, pit))
+    assert not mirrored((relief,), (slope,))
+    assert not mirrored((dataclasses.replace(pit, gear="wheel"),), (pit,))
+
+
+def test_places_at_which_a_shape_cannot_be_computed_are_left_out(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+    over = likely_teeth._over_a_turn
+
+    def refuse(problem: Problem, base: Fit, effects: tuple[Effect, ...], member: Member) -> list[Any]:
+        if any(isinstance(effect, Pitting) for effect in effects):
+            raise InputError("depth1", "-1", "0 or more")
+        return over(problem, base, effects, member)
+
+    assert likely_teeth.starts_of(found.problem, found.naming.alone, Pitting, "pinion")
+    monkeypatch.setattr(likely_teeth, "_over_a_turn", refuse)
+    assert likely_teeth.starts_of(found.problem, found.naming.alone, Pitting, "pinion") == []
 
 
 def test_records_that_agree_end_before_the_search(tmp_path: Path) -> None:
