@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gearfem.compliance.elasticity import stiffness
 from gearfem.compliance.finite_elements import OFFSETS, FiniteElements
@@ -25,6 +26,8 @@ LITTLE = 0.02
 SHAPES, PROBE = 8, 1e-4
 # How far the shapes run on beyond the flank, in half flanks: its ends move with what is missing.
 BEYOND = 1.1
+# Roll length in modules below which the shapes run with the length of the flank.
+ROUNDED = 0.5
 # Turn of the loads from which their response is taken [rad].
 TURN = 1e-4
 
@@ -56,8 +59,8 @@ def worn_tooth(method: FiniteElements, outline: Outline, u: Array) -> ToothCompl
     Up to a depth of 0.02 modules the compliance without wear plus its response in proportion: no new finite elements for
     another shape or depth. Beyond it, finite elements of the worn teeth. Both meet at the bound within what the response misses of the
     transmission error: below 0.03 % for wear that bends gently, 0.1 % for a relief over the last third of the flank, 0.3 % in a pit
-    as narrow as a quarter of it (both gears of Wojnarowski & Onishchenko (2003) and of Myga's rig). Where the involute begins beside
-    the base circle, local depths at its very start answer less evenly.
+    as narrow as a quarter of it (Myga's rig; 1 % on Wojnarowski & Onishchenko's (2003) gears, where it changes 7 %). Where the
+    involute begins beside the base circle, local depths at its very start, and there alone, miss up to 10 %.
     """
     sound = unworn(outline)
     if not outline.worn:
@@ -134,7 +137,7 @@ class FlankResponse(Record):
         Of the deflection, to a turn of the load [m per N/m per rad].
     deflection, local : ndarray, shape (k, n)
         Of the deflection, beside its turn, and of ln(local depth/depth), to the k-th Legendre polynomial over the flank's roll
-        length, per depth missing [1 per N/m], [1/m].
+        length, rounded beside the base circle, per depth missing [1 per N/m], [1/m].
     coupling : ndarray, shape (k, o, n, n)
         Of the coupling [1 per N/m].
     """
@@ -185,16 +188,13 @@ def flank_response(method: FiniteElements, outline: Outline, u: Array) -> FlankR
     anywhere, smoothly, so that a few polynomials tell it for every shape of wear.
     """
     sound = method.tooth(outline, u)
-    probe = PROBE * outline.gear.module
+    u, probe = sound.u, PROBE * outline.gear.module
     nominal = load_lines(outline, u)
     turn = _turn_response(method, outline, nominal)
     deflection, local, coupling = [], [], []
     for number in range(SHAPES):
         worn = dataclasses.replace(outline, deviation=Deviation.none(outline.gear).plus(_shape(outline, number, probe)))
         tooth = method.tooth(worn, u)
-        # A line that reads at the very edge of the mesh leaves it with a shape: nothing is said of such a place.
-        if tooth.u.size < u.size:
-            return flank_response(method, outline, tooth.u)
         turned = _turned(load_lines(worn, u), nominal)
         deflection.append((tooth.deflection - sound.deflection - turn * turned) / probe)
         local.append(np.log(tooth.local_depth / tooth.depth * sound.depth / sound.local_depth) / probe)
@@ -203,8 +203,17 @@ def flank_response(method: FiniteElements, outline: Outline, u: Array) -> FlankR
 
 
 def _place(outline: Outline, roll: Array) -> Array:
-    """Return places on the flank without wear, from -1 at its start to 1 at its end."""
-    return np.asarray(2.0 * (roll - outline.flank_start) / (outline.flank_end - outline.flank_start) - 1.0)
+    """Return places along the flank without wear, from -1 at its start to 1 at its end."""
+    start, end = _rounded(outline, outline.flank_start), _rounded(outline, outline.flank_end)
+    return np.asarray(2.0 * (_rounded(outline, roll) - start) / (end - start) - 1.0)
+
+
+def _rounded(outline: Outline, roll: ArrayLike) -> Array:
+    """Return roll lengths [m] that run evenly along the flank beside the base circle, where it begins across its line of action.
+
+    There the flank's length grows as the roll length squared, and what is even over the latter turns it without bound.
+    """
+    return np.hypot(roll, ROUNDED * outline.gear.module)
 
 
 def _shape(outline: Outline, number: int, depth: float) -> Callable[[Array], Array]:
@@ -219,7 +228,9 @@ def _shares(outline: Outline) -> Array:
     """Return how much of each shape is missing [m], by least squares over the flank."""
     place, weight = np.polynomial.legendre.leggauss(64)
     deviation = outline.deviation or Deviation.none(outline.gear)
-    depth = deviation.at(unworn(outline).roll_length(2.5 + 0.5 * place))
+    start, end = _rounded(outline, outline.flank_start), _rounded(outline, outline.flank_end)
+    roll = np.sqrt((start + 0.5 * (place + 1.0) * (end - start)) ** 2 - _rounded(outline, 0.0) ** 2)
+    depth = deviation.at(roll)
     share: Array = (weight * depth) @ np.polynomial.legendre.legvander(place, SHAPES - 1) * (np.arange(SHAPES) + 0.5)
     return share
 

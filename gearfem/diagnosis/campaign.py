@@ -130,6 +130,15 @@ class Campaign(Record):
         """Return the records of one role."""
         return tuple(record for record in self.records if record.role == role)
 
+    @property
+    def fitted(self) -> tuple[Measurement, ...]:
+        """Records that are fitted: those of role "fit", without those whose first tooth is unknown unless there are no others.
+
+        A gear off the rig whose first tooth nobody knows says little about single teeth; that tooth is sought when such a record is proven.
+        """
+        records = self.of("fit")
+        return tuple(record for record in records if record.tooth_known) or records
+
 
 def read_campaign(path: str | Path) -> Campaign:
     """Read a campaign, check its data and share out the roles that it leaves open.

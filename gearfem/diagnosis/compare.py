@@ -37,7 +37,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     Parameters
     ----------
     campaign : Campaign
-        Only its records of role "fit" are looked at.
+        Only its `fitted` records are looked at.
     scatter : Scatter, optional
         What single teeth are expected to do.
     bench : callable, optional
@@ -61,9 +61,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     are taken anew until that gains little. Scales that try to do the work of a missing effect stand at their limits, where derivatives
     mean little.
     """
-    fitted, pair = campaign.of("fit"), campaign.setup.pair
-    # A gear off the rig whose first tooth nobody knows says little about single teeth: such records are proven, not fitted.
-    records = tuple(record for record in fitted if record.tooth_known) or fitted
+    records, pair = campaign.fitted, campaign.setup.pair
     noises = tuple(measure_noise(record, pair) for record in records)
     make: BenchOf = bench or partial(bench_of, campaign)
     rough = Problem(campaign, records, noises, scatter or Scatter(), lambda effects: dataclasses.replace(make(effects), errors=()))

@@ -14,7 +14,7 @@ from gearfem.diagnosis.localise import Localisation, localise
 from gearfem.diagnosis.name import name
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.prove import Proof, prove
-from gearfem.diagnosis.search import Search
+from gearfem.diagnosis.search import stays
 from gearfem.diagnosis.suggest import Suggestion, suggest
 from gearfem.diagnosis.verdict import Naming, Rival, sentence_of
 from gearfem.effects.effect import Effect
@@ -108,7 +108,7 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
         naming = name(problem, alone, kinds)
         proof = prove(problem, naming.fit, alone)
     """
-    if not campaign.of("fit"):
+    if not campaign.fitted:
         raise InputError("record", "no record of role fit", "at least one record that is not held out", campaign.path)
     comparison = compare(campaign, progress=progress)
     problem, alone = comparison.problem, comparison.alone
@@ -116,7 +116,7 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     naming = name(problem, alone, kinds, progress)
     after = localise(comparison, naming.fit, DRAWS, progress=progress) if naming.fit.effects else before
     proof = prove(problem, naming.fit, naming.alone, progress)
-    held = _held(naming, proof, Search(problem, naming.alone).stays(naming.alone))
+    held = _held(naming, proof, stays(problem, naming.alone))
     if held.fit is not naming.fit:
         after, proof = before, prove(problem, held.fit, held.alone, progress)
     naming = held
@@ -125,14 +125,14 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     return dataclasses.replace(draft, suggestions=suggest(problem, naming.fit, rivals, progress)) if rivals else draft
 
 
-def _held(naming: Naming, proof: Proof, stays: bool) -> Naming:
+def _held(naming: Naming, proof: Proof, sound: bool) -> Naming:
     """Return the verdict as the records held out leave it.
 
     A gap that stays open there is not explained, and effects that do worse there than nuisances alone are no explanation, if these stay
     where they do the work of no effect: index errors of all teeth, say, are as good as a runout.
     """
     worse = proof.over_nuisances is not None and proof.over_nuisances < WORSE
-    if naming.verdict in ("explained", "partly_explained") and worse and stays:
+    if naming.verdict in ("explained", "partly_explained") and worse and sound:
         reason = f"On records held out, {naming.fit.effects[0].name} and what stands beside it leave more than nuisances alone."
         sentence, reasons = sentence_of("unexplained", naming.alone, naming.closed), (*naming.reasons, reason)
         return dataclasses.replace(naming, verdict="unexplained", fit=naming.alone, p_values=(), sentence=sentence, reasons=reasons)

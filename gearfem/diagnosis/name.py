@@ -14,7 +14,7 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import identify
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import rank, rank_again
-from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, label, way_of, without_one
+from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, label, stays, way_of, without_one
 from gearfem.diagnosis.shapes import bounded
 from gearfem.diagnosis.verdict import Naming, gap_left, judge
 from gearfem.effects.effect import Effect
@@ -108,7 +108,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
 
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
     """Return whether nuisances alone leave no gap, do the work of no effect, and no candidate promises half of what a name needs."""
-    sound = gap_left(search.alone, search.problem) < 1.0 and search.stays(search.alone)
+    sound = gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
     return sound and all(candidate.gain < HOPELESS * search.detected for candidate in candidates)
 
 

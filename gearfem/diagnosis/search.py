@@ -45,6 +45,8 @@ AT_BOUND = 30.0
 
 # Where a fit starts: effects, and nuisances other than those of the fit it builds on.
 Start: TypeAlias = tuple[tuple[Effect, ...], Array | None]
+# Name, gear ("" without) and tooth (-1 without) of an effect.
+Label: TypeAlias = tuple[str, str, int]
 
 
 class Search:
@@ -52,7 +54,7 @@ class Search:
 
     def __init__(self, problem: Problem, alone: Fit) -> None:
         self.problem, self.alone = problem, alone
-        self.fits: dict[tuple[object, ...], Fit] = {(): alone}
+        self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
         self.rows = len(alone.white)
         self._mimicked: dict[Fit, tuple[float, ...]] = {}
 
@@ -131,24 +133,9 @@ class Search:
 
     def score(self, fit: Fit) -> float:
         """Return the score of a fit; lower is better. Nuisances that do the work of an effect cost as one must gain."""
-        beyond = np.maximum(self.astray(fit) ** 2 - STRAYED**2, 0.0)
+        beyond = np.maximum(astray(self.problem, fit) ** 2 - STRAYED**2, 0.0)
         strayed = float(beyond.sum()) / (LOST**2 - STRAYED**2) * self.detected
         return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound) + strayed
-
-    def astray(self, fit: Fit) -> Array:
-        """Return scales and errors of our model in prior deviations, and the index error that stands out most on either gear.
-
-        The latter in deviations of the gear's other teeth.
-        """
-        unknowns, z1 = self.problem.unknowns, self.problem.campaign.setup.pair.pinion.teeth
-        late = fit.point.unknown[unknowns.late]
-        gears = late[:z1], late[z1:]
-        out = [np.abs(gear - np.median(gear)).max() / max(1.0, float(median_abs_deviation(gear, scale="normal"))) for gear in gears]
-        return np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], out])
-
-    def stays(self, fit: Fit) -> bool:
-        """Return whether scales, errors of our model and index errors of a fit stay where they do the work of no effect."""
-        return bool(np.abs(self.astray(fit)).max() < STRAYED)
 
     @property
     def detected(self) -> float:
@@ -175,12 +162,29 @@ class Search:
         return tuple(effect for effect, share in zip(fit.effects, self._mimicked[fit], strict=True) if share > MIMICKED)
 
 
+def astray(problem: Problem, fit: Fit) -> Array:
+    """Return scales and errors of our model in prior deviations, and the index error that stands out most on either gear.
+
+    The latter in deviations of the gear's other teeth.
+    """
+    unknowns, z1 = problem.unknowns, problem.campaign.setup.pair.pinion.teeth
+    late = fit.point.unknown[unknowns.late]
+    gears = late[:z1], late[z1:]
+    out = [np.abs(gear - np.median(gear)).max() / max(1.0, float(median_abs_deviation(gear, scale="normal"))) for gear in gears]
+    return np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], out])
+
+
+def stays(problem: Problem, fit: Fit) -> bool:
+    """Return whether scales, errors of our model and index errors of a fit stay where they do the work of no effect."""
+    return bool(np.abs(astray(problem, fit)).max() < STRAYED)
+
+
 def way_of(effect: Effect) -> tuple[str, str]:
     """Return how an effect acts, where in the model and how it repeats: one of the same way may do what another one's shape lacks."""
     return "teeth" if effect.stage in ("flank", "placement") else effect.stage, effect.repeats
 
 
-def label(effects: tuple[Effect, ...]) -> tuple[object, ...]:
+def label(effects: tuple[Effect, ...]) -> tuple[Label, ...]:
     """Return names, gears and teeth, by which explanations are told apart."""
     return tuple(sorted((e.name, getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects))
 

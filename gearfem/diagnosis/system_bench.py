@@ -14,7 +14,7 @@ from gearfem.definition.setup import GearPair, Member
 from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.variants import VARIANTS, Variant
-from gearfem.dynamics.turns import KW_ANGLES, march_turns
+from gearfem.dynamics.turns import kw_places, march_turns
 from gearfem.dynamics.turns_plan import make_plan
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import standard_angles
@@ -152,8 +152,7 @@ class SystemBench(Record):
     def peak(self, torque: float, speed: float, settings: Settings) -> tuple[float, float]:
         """Return the recorded angle [rad] of the largest Kw of a turn, and what Kw gains there by an acceleration [s2/rad]."""
         system, load = self._system(settings), torque * settings.torque_scale / settings.stiffness_scale
-        count = self.pair.pinion.teeth * KW_ANGLES
-        angle = np.arange(count) / count * math.tau
+        angle = kw_places(self.pair.pinion.teeth) * self.pair.pinion.pitch_angle
         acceleration = at_speed(system, "pinion_acceleration", angle, load, speed, STRIDE)
         return float(angle[np.argmin(acceleration)]), -system.drive.pinion_inertia / system.torque(load)
 

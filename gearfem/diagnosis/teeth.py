@@ -9,7 +9,7 @@ from types import ModuleType
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.sparse import csr_array
+from scipy.interpolate import BSpline
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Bench, Settings, Swing, Weights
@@ -151,10 +151,7 @@ def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int)
     errors, rates = (_slow(swing.weights, angle, bench.pair, terms, derivative) for derivative in (0, 1))
     moving = respond(errors, speed * rates, swing, step / speed, record.quantity.name == "pinion_angular_acceleration")
     moving = bench.read(moving, step / speed)
-    place = (axis - grid[0]) / step
-    below = np.minimum(place.astype(int), len(grid) - 2)
-    part, rows = place - below, np.arange(len(axis))
-    between = csr_array((np.r_[1.0 - part, part], (np.r_[rows, rows], np.r_[below, below + 1])), shape=(len(axis), len(grid)))
+    between = BSpline.design_matrix(axis, np.pad(grid, 1, mode="edge"), 1)
     return np.asarray(between @ moving)
 
 

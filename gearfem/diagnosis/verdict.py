@@ -13,7 +13,7 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import STRAYED
-from gearfem.diagnosis.search import Search, label
+from gearfem.diagnosis.search import Label, Search, label
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Record
 
@@ -109,9 +109,12 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     closed = closure(alone, best, search.problem)
     threshold = max(THRESHOLD, SHAPE * gained)
     ranked = sorted((fit for fit in scores if fit.effects), key=scores.__getitem__)
-    limit = {fit: max(threshold, MIRRORED) if _mirrored(fit, best) else threshold for fit in ranked}
+
+    def limit(fit: Fit) -> float:
+        return max(threshold, MIRRORED) if _mirrored(fit, best) else threshold
+
     # Only those that come near are worth the question.
-    imitated = {fit: search.imitated(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit[fit]}
+    imitated = {fit: search.imitated(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
     close = [fit for fit, by in imitated.items() if len(fit.effects) <= len(best.effects) and not by]
@@ -133,8 +136,8 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         Rival(
             effects=fit.effects,
             score_difference=worse,
-            why=_why(fit, best, worse, limit[fit], imitated.get(fit, ())),
-            near=worse < limit[fit],
+            why=_why(fit, best, worse, limit(fit), imitated.get(fit, ())),
+            near=worse < limit(fit),
         )
         for fit, worse in ((fit, scores[fit] - scores[best]) for fit in ranked if fit is not best)
     )
@@ -148,7 +151,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         closed=closed,
         rivals=rivals,
         identifiable=shown,
-        threshold=max(threshold, *(limit[fit] for fit in close)) if close else threshold,
+        threshold=max([threshold, *(limit(fit) for fit in close)]),
         sentence=sentence_of(verdict, named, closed),
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {search.detected:.0f}.",
@@ -163,8 +166,13 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
 
 def _mirrored(fit: Fit, best: Fit) -> bool:
     """Return whether an explanation has the same effects as the best one, those of all teeth on the other gear."""
-    sets = [sorted((e.name, getattr(e, "tooth", -1), e.member if hasattr(e, "tooth") else "") for e in one.effects) for one in (fit, best)]
-    return sets[0] == sets[1] and any(e.of_one_gear() and not hasattr(e, "tooth") for e in best.effects)
+    one, other = (label(each.effects) for each in (fit, best))
+    return one != other and _gearless(one) == _gearless(other)
+
+
+def _gearless(own: tuple[Label, ...]) -> list[Label]:
+    """Return labels of effects without the gears of those of all teeth."""
+    return sorted((name, gear if tooth >= 0 else "", tooth) for name, gear, tooth in own)
 
 
 def _astray(search: Search) -> list[tuple[str, float]]:

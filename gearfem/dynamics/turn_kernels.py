@@ -230,6 +230,14 @@ def between(s: float, h: float, e: float, v: float, a: float, rise: float, end: 
     return position, (d0 + s * (2.0 * b0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h
 
 
+@inlined
+def lowest(older: float, middle: float, newer: float) -> float:
+    """Return the least of the parabola through values at equal distances, where the middle one is least; else the last one."""
+    if middle < older and middle < newer:
+        return middle - (newer - older) ** 2 / (8.0 * (older - 2.0 * middle + newer))
+    return newer
+
+
 @compiled
 def march(
     begin: int,
@@ -292,9 +300,7 @@ def march(
             if not abs(y[0] + rise[0]) < UNBOUNDED:
                 return np.nan
             if samples[0] <= q <= samples[-1]:
-                least = min(least, start[size])
-                if newer < older and newer < start[size]:
-                    least = min(least, newer - (start[size] - older) ** 2 / (8.0 * (older - 2.0 * newer + start[size])))
+                least = min(least, lowest(older, newer, start[size]))
                 older, newer = newer, start[size]
                 if stop < end or cut:
                     # Parts of a step are no equal distances.

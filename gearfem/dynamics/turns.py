@@ -14,6 +14,7 @@ from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array, InputError, Record, SolveError
 
+# Angles to the pitch at which extremes of Kw are looked for.
 KW_ANGLES = 96
 
 
@@ -129,7 +130,8 @@ def march_turns(
     Classical Runge-Kutta steps, equal parts of a pitch, cut where the sliding of a pair reverses; between them
     quintics. Where a pair comes into contact, and at impacts, their order falls to the second. Against steps ten times finer, Myga's
     rig with late teeth and friction errs by at most 8e-4 in Kw, and in the transmission error by 8e-4 of its standard
-    deviation, from a third to three times its speed; with a stride of 0.5 by 4e-3 and 6e-3 (tests/convergence/test_turns_steps.py).
+    deviation, from a third to three times its speed; with a stride of 0.5 by 4e-3 and 6e-3, with 0.7 by
+    1.6e-2 and 2.4e-2 (tests/convergence/test_turns_steps.py).
     """
     speed = drive.pinion_speed if speed is None else speed
     torque = drive.pinion_torque if torque is None else torque
@@ -184,6 +186,11 @@ def march_turns(
         steps=plan.steps,
         end=state,
     )
+
+
+def kw_places(pitches: int) -> Array:
+    """Return places [pitches] over so many pitches, 96 to each, at which extremes of Kw are looked for."""
+    return np.arange(pitches * KW_ANGLES) / KW_ANGLES
 
 
 def _slow_start(turns: Turns, drive: DriveTrain, torque: float, begin: int, speed: float) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from gearfem.dynamics.periodic import kinked
 from gearfem.dynamics.record import DriveTrain, ElasticMotion, RigidMotion
 from gearfem.dynamics.rigid import rigid_motion
 from gearfem.dynamics.sweep_record import Direction, SweepPoint
-from gearfem.dynamics.turns import KW_ANGLES, march_turns
+from gearfem.dynamics.turns import kw_places, march_turns
 from gearfem.dynamics.turns_plan import mean_stiffness, mesh_mode
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array
@@ -166,7 +166,7 @@ def uneven_point(turns: Turns, drive: DriveTrain, direction: Direction, state: A
     """
     pair = turns.mesh.placement.pair
     pitches = repeats(turns, drive)
-    place = np.arange(pitches * KW_ANGLES) / KW_ANGLES
+    place = kw_places(pitches)
     motion = march_turns(turns, drive, place * pair.pinion.pitch_angle, start=None if state is None else state.reshape(2, -1))
     error = motion.transmission_error
     lines = 2.0 * np.fft.rfft(error) / error.size

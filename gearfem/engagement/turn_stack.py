@@ -19,7 +19,7 @@ Table = TypeVar("Table")
 Ints = NDArray[np.int64]
 
 BINS = 1024
-# A table takes 2 MB, a way or a coupling little: a quarter of a gigabyte at most.
+# A table takes 2 MB, a way or a coupling little: 0.4 GB at most.
 KEPT = 192
 _memory: OrderedDict[Hashable, Any] = OrderedDict()
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from gearfem.dynamics.turns import KW_ANGLES, march_turns
+from gearfem.dynamics.turns import kw_places, march_turns
 from gearfem.dynamics.turns_plan import STRIDE
 from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement.turns import StaticTurns, Turns, static
@@ -87,7 +87,7 @@ def at_speed(system: System, channel: Channel, angle: Array, stated_torque: floa
     """
     turns, instrument = Turns(mesh=system.mesh), system.instrument
     torque = system.torque(stated_torque)
-    turned = angle + system.setup.calibration.angle_offset - speed * instrument.delay
+    turned = _turned(system, angle, speed)
 
     pitch, grid = system.setup.pair.pinion.pitch_angle, np.zeros(0)
     if instrument.resonances:
@@ -107,11 +107,16 @@ def least_acceleration(system: System, stated_torque: float, speed: float, strid
 
     Arguments as for `at_speed`. It is that of the steps of the motion; with resonances of the instrument, that of 96 angles to the pitch.
     """
-    teeth, instrument = system.setup.pair.pinion.teeth, system.instrument
+    pinion, instrument = system.setup.pair.pinion, system.instrument
     if instrument.resonances:
-        angle = np.arange(teeth * KW_ANGLES) / (teeth * KW_ANGLES) * math.tau
+        angle = kw_places(pinion.teeth) * pinion.pitch_angle
         return float(at_speed(system, "pinion_acceleration", angle, stated_torque, speed, stride).min())
-    turn = system.setup.calibration.angle_offset - speed * instrument.delay + np.array([0.0, math.tau])
+    turn = _turned(system, np.array([0.0, math.tau]), speed)
     torque = system.torque(stated_torque)
     motion = march_turns(Turns(mesh=system.mesh), system.drive, turn, speed=speed, torque=torque, stride=stride, loads=False)
     return instrument.gain * motion.least_acceleration
+
+
+def _turned(system: System, angle: Array, speed: float) -> Array:
+    """Return how far the pinion had turned when what is read at recorded angles happened [rad]."""
+    return np.asarray(angle + system.setup.calibration.angle_offset - speed * system.instrument.delay)

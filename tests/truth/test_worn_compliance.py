@@ -160,7 +160,7 @@ def test_one_odd_tooth_among_sound_ones(sound: Outline) -> None:
     u = load_positions(sound, 20)
     little, deep = worn(sound, 0.019 * sound.gear.module), worn(sound, 0.021 * sound.gear.module)
     near, exact = (odd_tooth(METHOD, outline, sound, u) for outline in (little, deep))
-    assert near.deflection == pytest.approx(exact.deflection, rel=6e-3, abs=0.0)
+    assert near.deflection == pytest.approx(exact.deflection, rel=8e-3, abs=0.0)
     assert np.abs(near.coupling - exact.coupling).max() < 0.01 * exact.deflection.min()
     same = odd_tooth(METHOD, deep, deep, u)
     all_worn = METHOD.tooth(deep, u)
@@ -194,11 +194,17 @@ def test_beams_lose_the_thickness_of_one_side(sound: Outline) -> None:
     assert trapezoid[-1] - 1.0 == pytest.approx(elements[-1] - 1.0, rel=0.15, abs=0.0)
 
 
-def test_a_place_that_wear_moves_off_the_mesh_is_left_out(gear_factory) -> None:
-    """The involute of this gear begins beside the base circle, where the load line hardly turns before it misses the mesh."""
+def test_wear_beside_the_base_circle(gear_factory) -> None:
+    """The involute of this gear begins there, where little that is missing turns the flank far."""
     outline = Outline(gear=gear_factory(18, 3e-3, 30e-3, 0.0, bore_radius=10e-3))
     u = np.array([2.0, 2.1, 2.9])
-    assert METHOD.tooth(outline, u).u.tolist() == u.tolist()
-    found, one = (way(METHOD, worn(outline, 10e-6), *among, u) for way, among in ((worn_tooth, ()), (odd_tooth, (outline,))))
-    assert found.u.tolist() == one.u.tolist() == [2.1, 2.9]
-    assert one.coupling.shape[-2:] == (2, 2)
+    even, slope, hollow = lambda p: 1.0 - 0.6 * p**2, lambda p: np.maximum(p - 0.3, 0.0), lambda p: np.exp(-(((p - 0.6) / 0.2) ** 2))
+    for shape in (even, slope, hollow):
+        less = worn(outline, 30e-6, shape)
+        found, one, exact = worn_tooth(METHOD, less, u), odd_tooth(METHOD, less, outline, u), METHOD.tooth(less, u)
+        assert found.u.tolist() == one.u.tolist() == u.tolist()
+        # Measured: 7e-3 at most, where teeth without wear miss by 7e-2; depths 1e-2, at the very start 1e-1.
+        assert found.deflection == pytest.approx(exact.deflection, rel=8e-3, abs=0.0)
+        assert found.local_depth[1:] == pytest.approx(exact.local_depth[1:], rel=1.2e-2, abs=0.0)
+        assert found.local_depth[0] == pytest.approx(exact.local_depth[0], rel=0.12, abs=0.0)
+        assert one.coupling.shape[-2:] == (3, 3)
