@@ -118,6 +118,25 @@ class Swing(Record):
     base2: float
 
 
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Peaks(Record):
+    """The largest Kw of a turn of the pinion.
+
+    Parameters
+    ----------
+    angle : float
+        Recorded angle where it is [rad].
+    share : float
+        What Kw gains there by a reading of the pinion's acceleration [s2/rad].
+    factors : ndarray, shape (z1,)
+        Largest reading of each pitch.
+    """
+
+    angle: float
+    share: float
+    factors: Array
+
+
 class Bench(Protocol):
     """A model on the bench."""
 
@@ -141,8 +160,8 @@ class Bench(Protocol):
     def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
         """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s]."""
 
-    def peak(self, torque: float, speed: float, settings: Settings) -> tuple[float, float]:
-        """Return the recorded angle [rad] of the largest Kw of a turn, and what Kw gains there by an acceleration [s2/rad]."""
+    def peaks(self, torque: float, speed: float, settings: Settings) -> Peaks:
+        """Return the largest Kw of a turn and of each of its pitches at a stated torque [N m] and a speed [rad/s]."""
 
     def read(self, motion: Array, step: float) -> Array:
         """Return what the instrument's resonances make of motions at equal steps of time [s], shape (n, k)."""

@@ -6,19 +6,23 @@ import numpy as np
 
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.largest import EXPECTED_RISE, at_peaks
 from gearfem.diagnosis.marginal import Marginal, marginal
 from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import slopes
 from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import tooth_columns
+from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.diagnosis.unknowns import FREE, Unknowns
 from gearfem.foundation import Array
+
+# Least Kw - 1 in parts of which anything is told.
+LEAST = 0.01
 
 
 def make_columns(
     records: tuple[Measurement, ...], noises: tuple[Noise, ...], unknowns: Unknowns, bench: SystemBench, unknown: Array
-) -> tuple[tuple[Array, ...], Marginal]:
+) -> tuple[tuple[Array, ...], Marginal, tuple[Array, ...]]:
     """Return the columns of records at a point.
 
     Parameters
@@ -35,25 +39,51 @@ def make_columns(
     Returns
     -------
     tuple of ndarray, shapes (n, i)
-        Of each record over the inner unknowns in prior deviations [SI]: constants, teeth, model form.
+        Of each record over the inner unknowns in prior deviations [SI]: constants, teeth, model form, rise of the largest Kw.
     Marginal
         The same whitened, and the outer unknowns behind them: scales and the zero of the angle.
+    tuple of ndarray, shapes (n,)
+        What waviness is expected to add to the largest Kw of a turn, in parts of Kw - 1; 0 in all other records.
     """
     settings = unknowns.settings(unknown)
-    inner, whole = [], []
+    inner, whole, rises = [], [], []
     for number, (record, noise) in enumerate(zip(records, noises, strict=True)):
         here = bench.predict(record, settings)
         linear = _inner(record, number, unknowns, bench, settings, here)
-        outer = slopes(record, bench, settings, unknowns.nuisances, unknown[: unknowns.outer], here)
+        rise = EXPECTED_RISE * linear[:, -1] / np.maximum(np.abs(here - 1.0), LEAST)
+        outer = slopes(record, bench, settings, unknowns.nuisances, unknown[: unknowns.outer], here) * (1.0 + rise)[:, None]
         inner.append(linear)
+        rises.append(rise)
         whole.append(noise.whitener.apply(np.concatenate([linear, outer], axis=1)))
-    return tuple(inner), marginal(tuple(whole))
+    return tuple(inner), marginal(tuple(whole)), tuple(rises)
 
 
 def _inner(record: Measurement, number: int, unknowns: Unknowns, bench: SystemBench, settings: Settings, here: Array) -> Array:
     offset = np.zeros((len(record.axis), len(unknowns.offsets)))
     if number in unknowns.offsets:
         offset[:, unknowns.offsets.index(number)] = FREE
-    teeth = tooth_columns(record, bench, settings, unknowns.scatter)
-    form = model_form(record, bench, settings, here, teeth, unknowns.scatter)
-    return np.concatenate([offset, teeth * unknowns.teeth, form], axis=1)
+    return np.concatenate([offset, errors_of(record, bench, settings, unknowns.scatter, here)], axis=1)
+
+
+def errors_of(record: Measurement, bench: SystemBench, settings: Settings, scatter: Scatter, here: Array) -> Array:
+    """Return what errors of single teeth and of our own model do to a record [SI], at one deviation each.
+
+    Parameters
+    ----------
+    record, bench, settings : Measurement, SystemBench, Settings
+        As of `tooth_columns`.
+    scatter : Scatter
+        What is expected of single teeth.
+    here : ndarray, shape (n,)
+        What the model predicts.
+
+    Returns
+    -------
+    ndarray, shape (n, i)
+        Teeth; model form, see `model_form`; and how far the rise of the largest Kw of a turn by waviness may be off, see `at_peaks`.
+    """
+    teeth = tooth_columns(record, bench, settings, scatter)
+    largest = record.quantity.name == "dynamic_factor"
+    shared, rise = at_peaks(record, bench, settings, scatter) if largest else (teeth, np.zeros(len(here)))
+    form = model_form(record, bench, settings, here, shared, scatter)
+    return np.column_stack([teeth * scatter.deviations(bench.pair), form, rise / EXPECTED_RISE])

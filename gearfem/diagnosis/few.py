@@ -8,6 +8,8 @@ import numpy as np
 from scipy.stats import chi2
 
 from gearfem.diagnosis.candidate import Candidate
+from gearfem.diagnosis.marginal import marginal
+from gearfem.diagnosis.nuisances import BUILD
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search
 from gearfem.diagnosis.verdict import Naming, Rival, closure, gap_left, sentence_of
@@ -39,15 +41,17 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
 
     Notes
     -----
-    Of a handful of numbers, the variance that a model leaves cannot be told: the gap is judged by its square under noise and the
-    priors of all nuisances, r' (I + A A')^-1 r, against chi-square. If it is one, every effect that closes it without ending at a
-    bound is an explanation; the one with the fewest parameters is named, and two of them are one too many to decide.
+    Of a handful of numbers, the variance that a model leaves cannot be told: the gap is judged by its square under noise, single teeth
+    and the scales of model and instrument within their priors, r' (I + A A')^-1 r, against chi-square. If it is one, every effect that
+    closes it without ending at a bound is an explanation; the one with the fewest parameters is named, and two of them are one too many to
+    decide. Errors of our own model are no reason to call it none: so few numbers cannot tell them from effects.
     """
     problem, alone, setup = search.problem, search.alone, search.problem.campaign.setup
-    chance = float(chi2.sf(_square(problem, search), search.rows))
+    chance, with_errors = (float(chi2.sf(_square(problem, search, own), search.rows)) for own in (False, True))
     seen = (
         f"Nuisances alone leave {gap_left(alone, problem):.2f} times what counts as a gap.",
-        f"Noise and nuisances within their priors make a gap as wide with a chance of {chance:.2g}.",
+        f"Noise, single teeth and scales within their priors make a gap as wide with a chance of {chance:.2g}; "
+        f"with errors of our own model, as how neighbour teeth are coupled, of {with_errors:.2g}.",
     )
     if chance > CHANCE:
         return dataclasses.replace(naming, verdict="no_discrepancy", sentence=sentence_of("no_discrepancy", alone, 1.0), reasons=seen)
@@ -80,7 +84,11 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     )
 
 
-def _square(problem: Problem, search: Search) -> float:
-    """Return the square of the gap in standard deviations of noise and of everything freed."""
-    gap = problem.effective(search.alone.point)
-    return float(problem.whole.weighed(np.ones(len(problem.records))).measure(gap[:, None], gap)[0][0, 0])
+def _square(problem: Problem, search: Search, own: bool) -> float:
+    """Return the square of the gap in standard deviations of noise and all nuisances, errors of our own model among them or not."""
+    gap, unknowns = problem.effective(search.alone.point), problem.unknowns
+    count = problem.whole.columns[0].shape[1] - unknowns.outer
+    built = [place for place, nuisance in enumerate(problem.nuisances) if nuisance in BUILD or nuisance.name == "series_compliance"]
+    errors = [*range(unknowns.first_form - unknowns.outer, count - 1), *(count + place for place in built)]
+    freed = marginal(tuple(np.delete(part, [] if own else errors, axis=1) for part in problem.whole.columns))
+    return float(freed.weighed(np.ones(len(problem.records))).measure(gap[:, None], gap)[0][0, 0])

@@ -12,7 +12,7 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.shapes import bounded
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array
+from gearfem.foundation import Array, InputError, SolveError
 
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
 PER_PITCH = 48
@@ -31,7 +31,11 @@ def starts_of(problem: Problem, base: Fit, kind: type[Effect], member: Member) -
     likeliest: dict[int, tuple[float, Effect]] = {}
     for here, moved, later in _places(first, problem.campaign.setup):
         on_first = dataclasses.replace(here, tooth=0)  # type: ignore[call-arg]
-        turn = _over_a_turn(problem, base, (*base.effects, on_first), member)
+        try:
+            turn = _over_a_turn(problem, base, (*base.effects, on_first), member)
+        except (InputError, SolveError):
+            # As in a search: what cannot be computed at a place explains nothing there.
+            continue
         for effect, gains in zip(moved, _tooth_gains(problem, base, member, turn, bare, later), strict=True):
             for tooth, gain in enumerate(gains.tolist()):
                 if gain >= likeliest.get(tooth, (0.0, first))[0]:

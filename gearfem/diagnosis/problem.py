@@ -53,6 +53,8 @@ class Problem:
         Of each record over the inner unknowns in prior deviations [SI], once prepared.
     scales, lateness : ndarray, shapes (m, outer), (m, z1 + z2)
         Of all whitened rows over the outer unknowns, and over the index errors.
+    rise : tuple of ndarray, shapes (n,)
+        What waviness is expected to add to the largest Kw of a turn, in parts of Kw - 1; 0 in all other records.
     linear, whole : Marginal
         The inner unknowns, and all of them.
     floor, counts, memory : ndarray, shape (r,)
@@ -65,6 +67,7 @@ class Problem:
     columns: tuple[Array, ...]
     scales: Array
     lateness: Array
+    rise: tuple[Array, ...]
     linear: Marginal
     whole: Marginal
 
@@ -82,6 +85,7 @@ class Problem:
         self.nuisances = self.unknowns.nuisances
         self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
         self.memory = np.ones(len(records))
+        self.rise = tuple(np.zeros(len(record.axis)) for record in records)
         self.counts = np.array([float(record.keep.sum()) for record in records])
 
     @property
@@ -94,6 +98,7 @@ class Problem:
         part = copy.copy(self)
         part.records, part.noises = tuple(self.records[i] for i in places), tuple(self.noises[i] for i in places)
         part.columns = tuple(self.columns[i] for i in places)
+        part.rise = tuple(self.rise[i] for i in places)
         part.scales, part.lateness = (
             np.concatenate([whole[self.linear.rows[i]] for i in places]) for whole in (self.scales, self.lateness)
         )
@@ -106,9 +111,13 @@ class Problem:
         return self.unknowns.settings(unknown)
 
     def predict(self, effects: tuple[Effect, ...], unknown: Array) -> tuple[Array, ...]:
-        """Return the records under effects and the unknowns that the model takes: scales, angle zero, index errors."""
+        """Return the records under effects and the unknowns that the model takes: scales, angle zero, index errors.
+
+        The largest Kw of a turn is that which waviness is expected to leave, once prepared.
+        """
         bench, settings = self.bench(effects), self.settings(unknown)
-        return tuple(bench.predict(record, settings) for record in self.records)
+        predicted = (bench.predict(record, settings) for record in self.records)
+        return tuple(part + rise * (part - 1.0) for part, rise in zip(predicted, self.rise, strict=True))
 
     def prepare(self, effects: tuple[Effect, ...], unknown: Array) -> Array:
         """Make the columns of all nuisances at a point; every fit afterwards uses them until they are made again.
@@ -119,7 +128,7 @@ class Problem:
             The unknowns, completed by zeros where there were fewer.
         """
         self.effects, self.stood = effects, self._stands(unknown)
-        self.columns, self.whole = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
+        self.columns, self.whole, self.rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
         inner = self.columns[0].shape[1]
         self.linear = self.whole.first(inner)
         self.scales = np.concatenate([part[:, inner:] for part in self.whole.columns])
@@ -194,8 +203,11 @@ class Problem:
         if point.effects is self.effects and all(map(np.array_equal, here, self.stood)):
             return self.scales
         bench, settings, outer = self.bench(point.effects), self.settings(point.stood), point.unknown[: self.outer]
-        both = zip(self.records, point.predicted, strict=True)
-        return self.whiten(tuple(slopes(record, bench, settings, self.nuisances, outer, here) for record, here in both))
+        derivatives = []
+        for record, expected, rise in zip(self.records, point.predicted, self.rise, strict=True):
+            bare = (expected + rise) / (1.0 + rise)
+            derivatives.append(slopes(record, bench, settings, self.nuisances, outer, bare) * (1.0 + rise)[:, None])
+        return self.whiten(tuple(derivatives))
 
     def whiten(self, series: tuple[Array, ...]) -> Array:
         """Return series in the rows of the records whitened and one below the other."""

@@ -11,13 +11,12 @@ import numpy as np
 
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.campaign import Measurement, make_record
+from gearfem.diagnosis.columns import errors_of
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.marginal import marginal
-from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, slopes
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import tooth_columns
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.effects.roll import active_flank
 from gearfem.foundation import Array, InputError, Record, SolveError
@@ -142,11 +141,9 @@ def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBen
     known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *BUILD, *MOVING) if nuisance.name not in own))
     moved = np.array([fit.point.unknown[own[nuisance.name]] if nuisance.name in own else 0.0 for nuisance in known])
     constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
-    scatter = problem.unknowns.scatter
-    teeth = tooth_columns(record, bench, fit.settings, scatter)
-    form = model_form(record, bench, fit.settings, predicted, teeth, scatter)
+    errors = errors_of(record, bench, fit.settings, problem.unknowns.scatter, predicted)
     scales = slopes(record, bench, fit.settings, known, moved, predicted)
-    return np.concatenate([constant, scales, teeth * problem.unknowns.teeth, form], axis=1)
+    return np.concatenate([constant, scales, errors], axis=1)
 
 
 # ---- what can be measured -------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import numpy as np
 
 from gearfem.assembly import assemble
 from gearfem.definition.setup import GearPair, Member
-from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights
+from gearfem.diagnosis.bench import Oscillator, Peaks, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.variants import VARIANTS, Variant
 from gearfem.dynamics.turns import kw_places, march_turns
@@ -149,12 +149,14 @@ class SystemBench(Record):
             base2=self.pair.wheel.base_radius,
         )
 
-    def peak(self, torque: float, speed: float, settings: Settings) -> tuple[float, float]:
-        """Return the recorded angle [rad] of the largest Kw of a turn, and what Kw gains there by an acceleration [s2/rad]."""
+    def peaks(self, torque: float, speed: float, settings: Settings) -> Peaks:
+        """Return the largest Kw of a turn and of each of its pitches at a stated torque [N m] and a speed [rad/s]."""
         system, load = self._system(settings), torque * settings.torque_scale / settings.stiffness_scale
         angle = kw_places(self.pair.pinion.teeth) * self.pair.pinion.pitch_angle
         acceleration = at_speed(system, "pinion_acceleration", angle, load, speed, STRIDE)
-        return float(angle[np.argmin(acceleration)]), -system.drive.pinion_inertia / system.torque(load)
+        share = -system.drive.pinion_inertia / system.torque(load)
+        factors = 1.0 + settings.gain * share * acceleration
+        return Peaks(angle=float(angle[np.argmax(factors)]), share=share, factors=factors.reshape(self.pair.pinion.teeth, -1).max(axis=1))
 
     def read(self, motion: Array, step: float) -> Array:
         """Return what the instrument's resonances make of motions at equal steps of time [s], shape (n, k)."""

@@ -14,7 +14,6 @@ from scipy.interpolate import BSpline
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Bench, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Measurement
-from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.foundation import Array, Record
 from gearfem.foundation.units import UM
 
@@ -53,7 +52,7 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     Parameters
     ----------
     record : Measurement
-        Any record; stiffness does not feel scatter to first order, and radial runout not at all.
+        Any record; stiffness and the largest Kw do not feel scatter to first order, and radial runout not at all.
     bench : Bench
         The model.
     settings : Settings
@@ -69,8 +68,7 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     Notes
     -----
     Slow transmission error: the weight of each pair times the polynomial where it touches. At speed the motion is linearised about
-    itself, with the weights and the stiffness that its forces give the teeth, see `respond`. The largest Kw of a turn changes as the
-    acceleration where it is largest.
+    itself, with the weights and the stiffness that its forces give the teeth, see `respond`. Of the largest Kw of a turn see `at_peaks`.
     """
     name, pair = record.quantity.name, bench.pair
     if name == "static_transmission_error":
@@ -78,8 +76,6 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
         return settings.gain * _slow(bench.weights(angle, record.pinion_torque, settings), angle, pair, scatter.terms)
     if name in ("dynamic_transmission_error", "pinion_angular_acceleration"):
         return settings.gain * _at_speed(record, bench, settings, scatter.terms)
-    if name == "dynamic_factor":
-        return settings.gain * _at_peaks(record, bench, settings, scatter.terms)
     out = np.zeros((len(record.axis), pair.pinion.teeth + pair.wheel.teeth, scatter.terms + 1))
     first = pair.pinion.teeth if record.gear == "wheel" else 0
     if name == "flank_profile":
@@ -124,16 +120,6 @@ def _slow(weights: Weights, angle: Array, pair: GearPair, terms: int, derivative
         out[rows, number % z1] += weights.pinion[:, slot, None] * shape
         out[rows, z1 + number % z2] += weights.wheel[:, slot, None] * shape
     return out.reshape(count, -1)
-
-
-def _at_peaks(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:
-    rows = []
-    for speed in record.axis.tolist():
-        angle, share = bench.peak(record.pinion_torque, speed, settings)
-        here = record.over(np.array([angle]))
-        there = dataclasses.replace(here, quantity=QUANTITIES["pinion_angular_acceleration"], pinion_speed=speed)
-        rows.append(share * _at_speed(there, bench, settings, terms))
-    return np.concatenate(rows)
 
 
 def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:

@@ -13,6 +13,7 @@ from gearfem.definition.drive_parts import Support
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import make_record
+from gearfem.diagnosis.largest import at_peaks
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.dynamics import DriveTrain, elastic_motion, modes, unloaded_transport
@@ -213,7 +214,7 @@ def test_the_largest_kw_changes_with_the_tooth_where_it_is_largest(soft: System)
     # Late teeth make one peak the largest, which small errors do not change.
     base = np.where(np.arange(pair.pinion.teeth) == 7, 2e-6, 0.0)
     start = Settings(pinion_late=base, wheel_late=np.zeros(pair.wheel.teeth))
-    columns, small, exact = tooth_columns(kw, bench, start, Scatter(terms=1)), 2e-8, []
+    (columns, _), small, exact = at_peaks(kw, bench, start, Scatter(terms=1)), 2e-8, []
     for tooth in range(pair.pinion.teeth):
         late = base + np.where(np.arange(pair.pinion.teeth) == tooth, small, 0.0)
         moved = Settings(pinion_late=late, wheel_late=np.zeros(pair.wheel.teeth))
