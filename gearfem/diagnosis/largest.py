@@ -53,12 +53,12 @@ def at_peaks(record: Measurement, bench: Bench, settings: Settings, scatter: Sca
         there = dataclasses.replace(here, quantity=QUANTITIES["pinion_angular_acceleration"], pinion_speed=speed)
         column = peaks.share * tooth_columns(there, bench, settings, scatter)
         columns.append(column)
-        rise.append(_largest(peaks.factors, float(np.linalg.norm(column * waves))) - peaks.factors.max())
+        rise.append(largest_of(peaks.factors, float(np.linalg.norm(column * waves))) - peaks.factors.max())
     return np.concatenate(columns), np.array(rise)
 
 
-def _largest(peaks: Array, deviation: float) -> float:
-    """Return the expected largest of independent normal values of these means and one deviation."""
+def largest_of(peaks: Array, deviation: float) -> float:
+    """Return the expected largest of independent normal values of these means, shape (z1,), and one deviation; to a thousandth of that."""
     low = peaks.max() - REACH * deviation
     step = deviation / STEPS
     place = low + (np.arange(2 * REACH * STEPS) + 0.5) * step
