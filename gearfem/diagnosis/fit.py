@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from gearfem.definition.setup import Setup
 from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.model_form import SHAPE
 from gearfem.diagnosis.point import Point
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
@@ -33,7 +36,7 @@ class Fit(Record):
     effects : tuple of Effect
         As fitted; none for the nuisances alone.
     deviations : tuple of dict
-        Standard deviation of each parameter by field [SI], one dict for each effect; noise, nuisances and model form included.
+        Standard deviation of each parameter by field [SI], one dict for each effect: noise, nuisances, model form, and see `_inexact`.
     bound : tuple of (int, str)
         Parameters that ended at a bound: number of the effect and field.
     objective : float
@@ -202,7 +205,22 @@ def _deviations(problem: Problem, point: Point, derivatives: Array) -> tuple[dic
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     inverse = np.linalg.pinv(scale[:, None] * gram * scale, rcond=1e-12, hermitian=True)
     deviation = iter(scale * np.sqrt(np.maximum(np.diag(inverse), 0.0)))
-    return tuple({field: float(next(deviation)) for field in effect.parameters()} for effect in point.effects)
+    setup = problem.campaign.setup
+    return tuple({field: math.hypot(float(next(deviation)), part) for field, part in _inexact(one, setup).items()} for one in point.effects)
+
+
+def _inexact(effect: Effect, setup: Setup) -> dict[str, float]:
+    """Return how far parameters may be off since no real effect has quite the form of its name: a tenth of what it amounts to [SI].
+
+    Of depths at several places that is the largest one; nothing for where and how an effect acts.
+    """
+    known, amounts = effect.parameters(), dict.fromkeys(effect.parameters(), 0.0)
+    for field, one in known.items():
+        if one.neutral is not None:
+            value, rest = getattr(effect, field), one.at_rest(setup, effect.member)
+            amounts[field] = abs(value - rest) if math.isfinite(rest) else value
+    alike = {field: [other for other in known if amounts[other] and known[other].unit == one.unit] for field, one in known.items()}
+    return {field: SHAPE * max((amounts[other] for other in alike[field]), default=0.0) if amounts[field] else 0.0 for field in known}
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:
