@@ -69,7 +69,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
         Rival(effects=fit.effects, score_difference=worse, why=f"closes the gap as well; its score is worse by {worse:.1f}", near=True)
         for fit, worse in zip(fits[1:], apart[1:], strict=True)
     )
-    closed = closure(alone.squares, best.squares, problem)
+    closed = closure(alone, best, problem)
     return dataclasses.replace(
         naming,
         verdict="ambiguous",

@@ -13,7 +13,7 @@ from gearfem.diagnosis.few import judge_few
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import identify
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.rank import VEILED, rank, rank_again, strayed
+from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, label, stays, way_of, without_one
 from gearfem.diagnosis.shapes import bounded
 from gearfem.diagnosis.verdict import Naming, gap_left, judge
@@ -70,8 +70,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     if _agrees(search, first):
         return judge(search, shown)
     _singles(search, alone, first, progress)
-    sound = gap_left(alone, problem) < 1.0 and stays(problem, alone)
-    if sound and alone.objective - search.best(1).objective < HOPELESS * search.detected:
+    if gap_left(alone, problem) < 1.0 and alone.objective - search.best(1).objective < HOPELESS * search.detected:
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
@@ -115,9 +114,6 @@ def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
     chosen = _apart([c for c in candidates if c.gain > PROMISING])[:FITTED]
-    if strayed(search.problem, alone):
-        # What nuisances do in the place of an effect leaves nothing for it to gain.
-        chosen += _apart([c for c in candidates if c.share < VEILED and c not in chosen])[:FITTED]
     setup = search.problem.campaign.setup
     starts: list[Start] = [((candidate.start(setup),), candidate.unknown) for candidate in chosen]
     search.fit(starts, alone, progress, "single effects")

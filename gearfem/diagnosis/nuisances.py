@@ -12,9 +12,6 @@ from gearfem.diagnosis.bench import Bench, Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.foundation import Array, Record
 
-# Prior deviations from which on a nuisance is a finding itself, and at which it costs as much as a name must gain.
-STRAYED, LOST = 3.0, 5.0
-
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Nuisance(Record):
@@ -36,8 +33,6 @@ class Nuisance(Record):
         Value of the model.
     is_scale : bool
         Whether it multiplies by more or less and never by nothing.
-    strays, lost : float
-        Prior deviations from which on it may do the work of an effect, and at which that costs as much as a name must gain.
     """
 
     name: str
@@ -47,8 +42,6 @@ class Nuisance(Record):
     reach: float = 5.0
     level: float = 1.0
     is_scale: bool = True
-    strays: float = STRAYED
-    lost: float = LOST
 
     @property
     def unit(self) -> str:
@@ -71,10 +64,9 @@ SCALES = (
     Nuisance(name="gain", words="sensor gain", prior=0.02, step=0.5),
 )
 # Inertias are known to 2 %; what they swing on errs by more than its compliance in series does, some 3 % of natural frequencies squared.
-# Damping is known to a third, no more: a ratio off by a factor of two, which costs little as a nuisance, is what a campaign shows.
 MOVING = (
     Nuisance(name="inertia_scale", words="inertias", prior=math.hypot(0.02, 0.03), step=0.25),
-    Nuisance(name="damping_scale", words="damping ratio", prior=0.30, reach=3.0, strays=1.5, lost=2.0),
+    Nuisance(name="damping_scale", words="damping ratio", prior=0.30, reach=3.0),
 )
 # Mean stiffnesses of the models in use differ by some 10 %, however well they agree on its course over the pitch: of that of a usual mesh,
 # 20 N/(mm um) by ISO 6336-1 [N/m2].

@@ -32,6 +32,8 @@ VEILED = 0.05
 UNVEILED = 4
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
+# Prior deviations from which on a nuisance is a finding itself.
+STRAYED = 3.0
 
 
 def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> tuple[Candidate, ...]:
@@ -170,7 +172,7 @@ def _lost(view: View) -> bool:
 
 def strayed(problem: Problem, fit: Fit) -> bool:
     """Return whether nuisances of a fit stand where they may do the work of an effect."""
-    return any(abs(fit.point.unknown[place]) > problem.nuisances[place].strays for place in problem.unknowns.scales)
+    return bool(np.abs(fit.point.unknown[problem.unknowns.scales]).max(initial=0.0) > STRAYED)
 
 
 def _fits(

@@ -12,8 +12,8 @@ from scipy.stats import median_abs_deviation
 
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.mimic import mimicked
-from gearfem.diagnosis.nuisances import LOST, STRAYED
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.rank import STRAYED
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -28,6 +28,8 @@ IMITATED = 0.01
 # A further name must gain this share of what the first ones did where it acts as one of them does: less is the difference between their
 # shapes and the real ones, which other effects do not imitate as well.
 FURTHER, FURTHER_OTHER = 0.05, 0.01
+# Prior deviations at which a nuisance costs as much as a name must gain; from `STRAYED` on it costs something.
+LOST = 5.0
 # An effect is named from twice the strength on at which errors of our model imitate it.
 MIMICKED = 0.5
 # Most effects of an explanation.
@@ -131,8 +133,8 @@ class Search:
 
     def score(self, fit: Fit) -> float:
         """Return the score of a fit; lower is better. Nuisances that do the work of an effect cost as one must gain."""
-        moved, strays, lost = astray(self.problem, fit)
-        strayed = float((np.maximum(moved**2 - strays**2, 0.0) / (lost**2 - strays**2)).sum()) * self.detected
+        beyond = np.maximum(astray(self.problem, fit) ** 2 - STRAYED**2, 0.0)
+        strayed = float(beyond.sum()) / (LOST**2 - STRAYED**2) * self.detected
         return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound) + strayed
 
     @property
@@ -160,26 +162,21 @@ class Search:
         return tuple(effect for effect, share in zip(fit.effects, self._mimicked[fit], strict=True) if share > MIMICKED)
 
 
-def astray(problem: Problem, fit: Fit) -> tuple[Array, Array, Array]:
-    """Return scales and errors of our model in prior deviations, where each begins to cost, and where it costs as much as a name must gain.
+def astray(problem: Problem, fit: Fit) -> Array:
+    """Return scales and errors of our model in prior deviations, and the index error that stands out most on either gear.
 
-    Behind them the index error that stands out most on either gear, in deviations of the gear's other teeth.
+    The latter in deviations of the gear's other teeth.
     """
     unknowns, z1 = problem.unknowns, problem.campaign.setup.pair.pinion.teeth
     late = fit.point.unknown[unknowns.late]
     gears = late[:z1], late[z1:]
     out = [np.abs(gear - np.median(gear)).max() / max(1.0, float(median_abs_deviation(gear, scale="normal"))) for gear in gears]
-    moved = np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], out])
-    strays, lost = np.full(len(moved), STRAYED), np.full(len(moved), LOST)
-    for number, place in enumerate(unknowns.scales):
-        strays[number], lost[number] = problem.nuisances[place].strays, problem.nuisances[place].lost
-    return moved, strays, lost
+    return np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], out])
 
 
 def stays(problem: Problem, fit: Fit) -> bool:
     """Return whether scales, errors of our model and index errors of a fit stay where they do the work of no effect."""
-    moved, strays, _ = astray(problem, fit)
-    return bool((np.abs(moved) < strays).all())
+    return bool(np.abs(astray(problem, fit)).max() < STRAYED)
 
 
 def way_of(effect: Effect) -> tuple[str, str]:

@@ -12,6 +12,7 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.rank import STRAYED
 from gearfem.diagnosis.search import Label, Search, label
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, Record
@@ -28,8 +29,8 @@ MIRRORED = 150.0
 STANDS, CLOSED = 0.60, 0.90
 # What fits may leave, over what can be expected of them, before it counts as a gap.
 GAP_SLOW, GAP_MOVING = 1.25, 2.0
-# Part of the way to where a nuisance is lost at which it does the work of something that is missing.
-ASTRAY = 0.8
+# Prior deviations of a nuisance at which it does the work of something that is missing.
+ASTRAY = 4.0
 # What may remain beside a name that stands, in gaps.
 REST = 2.4
 
@@ -105,8 +106,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     best = search.best()
     scores = {fit: search.score(fit) for fit in search.fits.values()}
     gained = scores[alone] - scores[best]
-    reason = within_reason(alone, search.problem)
-    closed = closure(reason, best.squares, search.problem)
+    closed = closure(alone, best, search.problem)
     threshold = max(THRESHOLD, SHAPE * gained)
     ranked = sorted((fit for fit in scores if fit.effects), key=scores.__getitem__)
 
@@ -131,7 +131,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     if verdict == "ambiguous":
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
-        closed, remains = closure(reason, best.squares, search.problem), gap_left(best, search.problem)
+        closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     rivals = tuple(
         Rival(
             effects=fit.effects,
@@ -183,37 +183,32 @@ def _astray(search: Search) -> list[tuple[str, float]]:
     problem, alone = search.problem, search.alone
     moved = alone.point.unknown[: problem.outer]
     deviation = problem.whole.weighed(alone.point.weights).deviations[-problem.outer :]
-    found = []
-    for at in problem.unknowns.scales:
-        nuisance, by = problem.nuisances[at], abs(float(moved[at]))
-        if by >= ASTRAY * nuisance.lost and (by - nuisance.strays) ** 2 > search.detected * deviation[at] ** 2:
-            found.append((nuisance.words, float(moved[at])))
-    return found
+    insists = (np.abs(moved) - STRAYED) ** 2 > search.detected * deviation**2
+    return [(problem.nuisances[at].words, float(moved[at])) for at in problem.unknowns.scales if insists[at] and abs(moved[at]) >= ASTRAY]
 
 
-def within_reason(fit: Fit, problem: Problem) -> Array:
+def _within_reason(fit: Fit, problem: Problem) -> Array:
     """Return the mean squares, shape (r,), that a fit leaves with scales brought back to where they do the work of no effect."""
     unknown = fit.point.unknown.copy()
-    for place in problem.unknowns.scales:
-        most = problem.nuisances[place].strays
-        unknown[place] = np.clip(unknown[place], -most, most)
+    places = problem.unknowns.scales
+    unknown[places] = np.clip(unknown[places], -STRAYED, STRAYED)
     if np.array_equal(unknown, fit.point.unknown):
         return fit.squares
     point = problem.at(fit.effects, unknown)
     return np.asarray(problem.squares(problem.whiten(problem.left(point))) / problem.counts)
 
 
-def closure(alone: Array, best: Array, problem: Problem) -> float:
+def closure(alone: Fit, best: Fit, problem: Problem) -> float:
     """Return the share of the gap that is closed: of the mean square above noise of each record, which counts by that one's logarithm.
 
     Parameters
     ----------
-    alone, best : ndarray, shape (r,)
-        Mean squares of the whitened rows that nuisances alone leave, and effects.
+    alone, best : Fit
+        Nuisances alone, and with effects; scales far off, which do the work of effects, are brought back within reason.
     problem : Problem
         What was fitted.
     """
-    before, after = (np.maximum(squares / problem.floor - 1.0, 0.0) for squares in (alone, best))
+    before, after = (np.maximum(_within_reason(fit, problem) / problem.floor - 1.0, 0.0) for fit in (alone, best))
     weight = problem.counts * np.log1p(before)
     return float(weight @ (1.0 - after / np.maximum(before, 1e-9)) / weight.sum()) if weight.sum() > 0.0 else 1.0
 
