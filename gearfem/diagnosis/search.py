@@ -40,6 +40,8 @@ NEAR, RIVALS = 0.3, 3
 FAR = 2.0
 # Share of what counts as detected that a fit with a further effect must promise to gain beside the one it builds on, or it is given up.
 LITTLE = 0.25
+# Waves a turn of index errors that are looked at.
+WAVES = 3
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 
@@ -163,15 +165,32 @@ class Search:
 
 
 def astray(problem: Problem, fit: Fit) -> Array:
-    """Return scales and errors of our model in prior deviations, and the index error that stands out most on either gear.
+    """Return scales and errors of our model in prior deviations, and how far index errors are from those of single teeth, see `uneven`."""
+    unknowns = problem.unknowns
+    return np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], uneven(problem, fit).ravel()])
 
-    The latter in deviations of the gear's other teeth.
+
+def uneven(problem: Problem, fit: Fit) -> Array:
+    """Return how far the index errors of a fit are from those of single teeth, shape (2, 2), in deviations of what is left of them.
+
+    Of either gear (columns) the tooth that stands out most, and the largest of the waves once, twice and three times a turn. Teeth late by
+    chance make none of either; an eccentric gear makes waves, and so does what turns with the gear and is no tooth.
     """
-    unknowns, z1 = problem.unknowns, problem.campaign.setup.pair.pinion.teeth
-    late = fit.point.unknown[unknowns.late]
-    gears = late[:z1], late[z1:]
-    out = [np.abs(gear - np.median(gear)).max() / max(1.0, float(median_abs_deviation(gear, scale="normal"))) for gear in gears]
-    return np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], out])
+    found = np.zeros((2, 2))
+    late = fit.point.unknown[problem.unknowns.late]
+    for gear, own in enumerate(np.split(late, [problem.campaign.setup.pair.pinion.teeth])):
+        waves = waves_of(own)
+        amplitude = math.sqrt(2.0 / own.size) * np.abs(np.fft.rfft(waves)).max()
+        deviation, rest = (max(1.0, float(median_abs_deviation(one, scale="normal"))) for one in (own, own - waves))
+        found[:, gear] = np.abs(own - np.median(own)).max() / deviation, amplitude / rest
+    return found
+
+
+def waves_of(late: Array) -> Array:
+    """Return the waves once, twice and three times a turn of what all teeth of a gear have, shape (z,)."""
+    lines = np.fft.rfft(late)
+    lines[0], lines[WAVES + 1 :] = 0.0, 0.0
+    return np.fft.irfft(lines, late.size)
 
 
 def stays(problem: Problem, fit: Fit) -> bool:

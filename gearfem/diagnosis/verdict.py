@@ -13,7 +13,7 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import STRAYED
-from gearfem.diagnosis.search import Label, Search, label
+from gearfem.diagnosis.search import LOST, Label, Search, label, uneven, waves_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, Record
 
@@ -119,8 +119,8 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     astray = _astray(search)
     close = [fit for fit, by in imitated.items() if len(fit.effects) <= len(best.effects) and not by]
     if not best.effects or gained < search.detected:
-        verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
-    elif remains > 1.0 and (closed < STANDS or remains > REST):
+        verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray and not _turns(search.problem, alone) else "unexplained"
+    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turns(search.problem, best):
         verdict = "unexplained"
     elif close:
         verdict = "ambiguous"
@@ -187,15 +187,25 @@ def _astray(search: Search) -> list[tuple[str, float]]:
     return [(problem.nuisances[at].words, float(moved[at])) for at in problem.unknowns.scales if insists[at] and abs(moved[at]) >= ASTRAY]
 
 
+def _turns(problem: Problem, fit: Fit) -> bool:
+    """Return whether the index errors of a fit hold waves once to three times a turn that no teeth have by chance."""
+    return bool(uneven(problem, fit)[1].max() > LOST)
+
+
 def _within_reason(fit: Fit, problem: Problem) -> Array:
-    """Return the mean squares, shape (r,), that a fit leaves with scales brought back to where they do the work of no effect."""
-    unknown = fit.point.unknown.copy()
-    places = problem.unknowns.scales
-    unknown[places] = np.clip(unknown[places], -STRAYED, STRAYED)
-    if np.array_equal(unknown, fit.point.unknown):
-        return fit.squares
-    point = problem.at(fit.effects, unknown)
-    return np.asarray(problem.squares(problem.whiten(problem.left(point))) / problem.counts)
+    """Return the mean squares, shape (r,), that a fit leaves with nuisances brought back to where they do the work of no effect.
+
+    Scales, and waves of the index errors.
+    """
+    unknowns, unknown = problem.unknowns, fit.point.unknown.copy()
+    unknown[unknowns.scales] = np.clip(unknown[unknowns.scales], -STRAYED, STRAYED)
+    white = fit.white
+    if not np.array_equal(unknown, fit.point.unknown):
+        white = problem.whiten(problem.left(problem.at(fit.effects, unknown)))
+    gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
+    stray = uneven(problem, fit)[1] > STRAYED
+    back = np.concatenate([waves_of(late) * stray[number] for number, late in enumerate(gears)])
+    return np.asarray(problem.squares(white + problem.lateness @ back) / problem.counts)
 
 
 def closure(alone: Fit, best: Fit, problem: Problem) -> float:
@@ -204,7 +214,7 @@ def closure(alone: Fit, best: Fit, problem: Problem) -> float:
     Parameters
     ----------
     alone, best : Fit
-        Nuisances alone, and with effects; scales far off, which do the work of effects, are brought back within reason.
+        Nuisances alone, and with effects; nuisances far off, which do the work of effects, are brought back within reason.
     problem : Problem
         What was fitted.
     """
