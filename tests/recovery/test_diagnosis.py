@@ -21,8 +21,9 @@ from gearfem.diagnosis.diagnose import _held
 from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.search import stays, uneven, waves_of
 from gearfem.diagnosis.suggest import suggest
-from gearfem.diagnosis.verdict import _mirrored
+from gearfem.diagnosis.verdict import _mirrored, closure
 from gearfem.diagnosis.write import as_json
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -202,6 +203,28 @@ def test_a_name_that_does_worse_than_nuisances_where_nobody_looked_is_withdrawn(
     held = _held(found.naming, dataclasses.replace(found.proof, over_nuisances=share), stays)
     assert held.verdict == verdict
     assert bool(held.fit.effects) == (verdict == "explained")
+
+
+def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> None:
+    """Teeth late by chance are none, a wave twice a turn is: brought back, it leaves the gap that it had closed."""
+    problem, fit = found.problem, found.naming.alone
+    late, turn = problem.unknowns.late, 2.0 * math.pi * np.arange(17) / 17
+
+    def with_errors(wave: float) -> Fit:
+        unknown = np.zeros_like(fit.point.unknown)
+        unknown[late] = np.random.default_rng(5).normal(size=30)
+        unknown[late][13:] += wave * np.cos(2.0 * turn + 0.3)
+        return dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
+
+    chance, wavy = with_errors(0.0), with_errors(6.0)
+    tooth, waves = uneven(problem, wavy)
+    assert waves[1] == pytest.approx(6.0 * math.sqrt(17 / 2), rel=0.25, abs=0.0)
+    assert waves[1] > 5.0 > 3.0 > max(waves[0], *tooth, *uneven(problem, chance).ravel())
+    assert stays(problem, chance)
+    assert not stays(problem, wavy)
+    assert closure(chance, chance, problem) == pytest.approx(0.0, abs=1e-9)
+    assert closure(wavy, chance, problem) > 0.5
+    assert waves_of(np.cos(2.0 * turn) + 3.0 + np.cos(5.0 * turn)) == pytest.approx(np.cos(2.0 * turn), abs=1e-12, rel=0.0)
 
 
 def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
