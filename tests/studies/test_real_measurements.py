@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import diagnose, read_campaign
+from gearfem.diagnosis.write import nuisance_rows
 from gearfem.effects.catalogue import catalogue
 
 MODEL = """[pair]
@@ -118,3 +119,4 @@ def test_one_number_is_explained_in_several_ways_or_needs_none(study, tmp_path, 
     # More friction only adds to the factor here: it is no explanation.
     assert sorted(names) == ([["body_compliance"], ["centre_distance"]] if verdict == "ambiguous" else [[]])
     assert bool(found.suggestions) == (verdict == "ambiguous")
+    assert 0.0 < next(row["value"] for row in nuisance_rows(found) if row["name"] == "kw_rise_scale") < 2.0
