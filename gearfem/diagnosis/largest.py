@@ -59,6 +59,8 @@ def at_peaks(record: Measurement, bench: Bench, settings: Settings, scatter: Sca
 
 def largest_of(peaks: Array, deviation: float) -> float:
     """Return the expected largest of independent normal values of these means, shape (z1,), and one deviation; to a thousandth of that."""
+    if deviation == 0.0:
+        return float(peaks.max())
     low = peaks.max() - REACH * deviation
     step = deviation / STEPS
     place = low + (np.arange(2 * REACH * STEPS) + 0.5) * step

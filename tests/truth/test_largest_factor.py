@@ -29,6 +29,7 @@ def test_the_largest_of_independent_values() -> None:
     peaks = np.array([1.3, 1.32, 1.25, 1.31, 1.1])
     draws = peaks + 0.02 * np.random.default_rng(3).normal(size=(200_000, 5))
     assert largest_of(peaks, 0.02) == pytest.approx(draws.max(axis=1).mean(), abs=2e-4, rel=0.0)
+    assert largest_of(peaks, 0.0) == 1.32
     assert largest_of(peaks, 1e-6) == pytest.approx(1.32, abs=1e-5, rel=0.0)
     # The expected largest of two equal ones lies 1/sqrt(pi) deviations above them.
     assert largest_of(np.full(2, 1.2), 0.05) == pytest.approx(1.2 + 0.05 / np.sqrt(np.pi), abs=1e-5, rel=0.0)
