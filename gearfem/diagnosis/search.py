@@ -42,6 +42,8 @@ FAR = 2.0
 LITTLE = 0.25
 # Waves a turn of index errors that are looked at.
 WAVES = 3
+# Part of its range within which a strength counts as none.
+NOTHING = 1e-3
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 
@@ -155,7 +157,21 @@ class Search:
             return self.score(fit) + further
 
         ranked = sorted((fit for fit in self.fits.values() if len(fit.effects) <= most), key=price)
-        return next(fit for fit in ranked if not self.imitated(fit))
+        return next(fit for fit in ranked if not self.imitated(fit) and not self.overdone(fit))
+
+    def overdone(self, fit: Fit) -> bool:
+        """Return whether an effect of a fit is as strong as can be: something else is, of which it has the look."""
+        setup = self.problem.campaign.setup
+        for number, field in fit.bound:
+            effect = fit.effects[number]
+            known = effect.parameters()[field]
+            if known.neutral is not None:
+                here, rest, low, high = map(
+                    known.coordinate, (getattr(effect, field), known.at_rest(setup, effect.member), *known.bounds(setup, effect.member))
+                )
+                if abs(here - rest) > NOTHING * abs(high - low):
+                    return True
+        return False
 
     def imitated(self, fit: Fit) -> tuple[Effect, ...]:
         """Return the effects of a fit that errors of our model imitate at half their strength or more."""

@@ -117,7 +117,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     imitated = {fit: search.imitated(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
-    close = [fit for fit, by in imitated.items() if len(fit.effects) <= len(best.effects) and not by]
+    close = [fit for fit, by in imitated.items() if len(fit.effects) <= len(best.effects) and not by and not search.overdone(fit)]
     if not best.effects or gained < search.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray and not _turns(search.problem, alone) else "unexplained"
     elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turns(search.problem, best):

@@ -21,7 +21,7 @@ from gearfem.diagnosis.diagnose import _held
 from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import stays, uneven, waves_of
+from gearfem.diagnosis.search import Search, stays, uneven, waves_of
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.verdict import _mirrored, closure
 from gearfem.diagnosis.write import as_json
@@ -225,6 +225,18 @@ def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> Non
     assert closure(chance, chance, problem) == pytest.approx(0.0, abs=1e-9)
     assert closure(wavy, chance, problem) > 0.5
     assert waves_of(np.cos(2.0 * turn) + 3.0 + np.cos(5.0 * turn)) == pytest.approx(np.cos(2.0 * turn), abs=1e-12, rel=0.0)
+
+
+def test_what_is_as_strong_as_can_be_is_not_named(found: Diagnosis) -> None:
+    search, slope = Search(found.problem, found.naming.alone), ProfileSlope(gear="pinion", amount=5.0 * UM)
+
+    def ended(effect: Effect, field: str) -> Fit:
+        return dataclasses.replace(found.naming.fit, effects=(slope, effect), bound=((1, field),))
+
+    assert search.overdone(ended(ContactCompliance(scale=0.05), "scale"))
+    # At its neutral value it does nothing, and a length says where.
+    assert not search.overdone(ended(TipRelief(gear="wheel", amount=1e-12, length=2.0 * MM), "amount"))
+    assert not search.overdone(ended(TipRelief(gear="wheel", amount=9.0 * UM, length=9.0 * MM), "length"))
 
 
 def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
