@@ -202,18 +202,21 @@ def flank_response(method: FiniteElements, outline: Outline, u: Array) -> FlankR
     return FlankResponse(sound=sound, turn=turn, deflection=np.array(deflection), local=np.array(local), coupling=np.array(coupling))
 
 
-def _place(outline: Outline, roll: Array) -> Array:
-    """Return places along the flank without wear, from -1 at its start to 1 at its end."""
-    start, end = _rounded(outline, outline.flank_start), _rounded(outline, outline.flank_end)
-    return np.asarray(2.0 * (_rounded(outline, roll) - start) / (end - start) - 1.0)
+def _place(outline: Outline, roll: ArrayLike) -> Array:
+    """Return places along the flank without wear, from -1 at its start to 1 at its end.
 
-
-def _rounded(outline: Outline, roll: ArrayLike) -> Array:
-    """Return roll lengths [m] that run evenly along the flank beside the base circle, where it begins across its line of action.
-
-    There the flank's length grows as the roll length squared, and what is even over the latter turns it without bound.
+    They run evenly along the flank beside the base circle too, where it begins across its line of action: there its length grows as the
+    roll length squared, and what is even over the latter turns it without bound.
     """
-    return np.hypot(roll, ROUNDED * outline.gear.module)
+    start, end, here = (np.hypot(one, ROUNDED * outline.gear.module) for one in (outline.flank_start, outline.flank_end, roll))
+    return np.asarray(2.0 * (here - start) / (end - start) - 1.0)
+
+
+def _roll(outline: Outline, place: Array) -> Array:
+    """Return the roll lengths [m] of places along the flank, shape (n,): the inverse of `_place`."""
+    rounded = ROUNDED * outline.gear.module
+    start, end = np.hypot([outline.flank_start, outline.flank_end], rounded)
+    return np.asarray(np.sqrt((start + 0.5 * (place + 1.0) * (end - start)) ** 2 - rounded**2))
 
 
 def _shape(outline: Outline, number: int, depth: float) -> Callable[[Array], Array]:
@@ -228,9 +231,7 @@ def _shares(outline: Outline) -> Array:
     """Return how much of each shape is missing [m], by least squares over the flank."""
     place, weight = np.polynomial.legendre.leggauss(64)
     deviation = outline.deviation or Deviation.none(outline.gear)
-    start, end = _rounded(outline, outline.flank_start), _rounded(outline, outline.flank_end)
-    roll = np.sqrt((start + 0.5 * (place + 1.0) * (end - start)) ** 2 - _rounded(outline, 0.0) ** 2)
-    depth = deviation.at(roll)
+    depth = deviation.at(_roll(outline, place))
     share: Array = (weight * depth) @ np.polynomial.legendre.legvander(place, SHAPES - 1) * (np.arange(SHAPES) + 0.5)
     return share
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 
 import numpy as np
 from scipy.stats import chi2
 
 from gearfem.diagnosis.candidate import Candidate
+from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.nuisances import BUILD
 from gearfem.diagnosis.problem import Problem
@@ -19,6 +21,8 @@ from gearfem.foundation.progress import Progress
 CHANCE = 0.01
 # Share of what the nuisances leave that a candidate must promise to be fitted.
 PROMISED = 0.5
+# Share of its strength at which an effect that ended as strong as can be must do, and of what it gains there that must be left.
+MODERATE, KEPT = 0.5, 0.5
 
 
 def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...], progress: Progress) -> Naming:
@@ -43,8 +47,9 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     -----
     Of a handful of numbers, the variance that a model leaves cannot be told: the gap is judged by its square under noise, single teeth
     and the scales of model and instrument within their priors, r' (I + A A')^-1 r, against chi-square. If it is one, every effect that
-    closes it without ending at a bound is an explanation; the one with the fewest parameters is named, and two of them are one too many to
-    decide. Errors of our own model are no reason to call it none: so few numbers cannot tell them from effects.
+    closes it is an explanation, one that ends as strong as can be only if half of that does too; the one with the fewest parameters is
+    named, and two of them are one too many to decide. Errors of our own model are no reason to call it none: so few numbers cannot tell
+    them from effects.
     """
     problem, alone, setup = search.problem, search.alone, search.problem.campaign.setup
     chance, with_errors = (float(chi2.sf(_square(problem, search, own), search.rows)) for own in (False, True))
@@ -57,7 +62,8 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
         return dataclasses.replace(naming, verdict="no_discrepancy", sentence=sentence_of("no_discrepancy", alone, 1.0), reasons=seen)
     promising = [candidate for candidate in candidates if candidate.gain > PROMISED * alone.objective]
     search.fit([((candidate.start(setup),), candidate.unknown) for candidate in promising], alone, progress, "single effects")
-    fits = [fit for fit in search.fits.values() if fit.effects and not fit.bound and gap_left(fit, problem) < 1.0]
+    fits = [_moderate(problem, alone, fit) if fit.bound else fit for fit in search.fits.values() if fit.effects]
+    fits = [fit for fit in fits if not fit.bound and gap_left(fit, problem) < 1.0]
     # All of them close it fully: what they cost decides, and then an instrument that is wrong comes last.
     fits.sort(key=lambda fit: (round(search.score(fit), 1), fit.effects[0].stage == "sensing"))
     reasons = (*seen, f"{len(fits)} effects close the gap alone; so few numbers cannot decide between them.")
@@ -82,6 +88,14 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
         sentence=sentence_of("ambiguous", best, closed),
         reasons=reasons,
     )
+
+
+def _moderate(problem: Problem, alone: Fit, fit: Fit) -> Fit:
+    """Return a fit that ended at a bound with half its strength, where it gains much of the same; else itself."""
+    setup, own = problem.campaign.setup, copy.copy(problem)
+    effects = tuple(effect.scaled(MODERATE, setup) for effect in fit.effects)
+    half = own.fit(effects, own.prepare(effects, fit.point.unknown), rounds=0, fresh=True)
+    return half if alone.objective - half.objective > KEPT * (alone.objective - fit.objective) else fit
 
 
 def _square(problem: Problem, search: Search, own: bool) -> float:

@@ -214,13 +214,11 @@ def _inexact(effect: Effect, setup: Setup) -> dict[str, float]:
 
     Of depths at several places that is the largest one; nothing for where and how an effect acts.
     """
-    known, amounts = effect.parameters(), dict.fromkeys(effect.parameters(), 0.0)
-    for field, one in known.items():
-        if one.neutral is not None:
-            value, rest = getattr(effect, field), one.at_rest(setup, effect.member)
-            amounts[field] = abs(value - rest) if math.isfinite(rest) else value
-    alike = {field: [other for other in known if amounts[other] and known[other].unit == one.unit] for field, one in known.items()}
-    return {field: SHAPE * max((amounts[other] for other in alike[field]), default=0.0) if amounts[field] else 0.0 for field in known}
+    known, largest = effect.parameters(), dict[str, float]()
+    for field in effect.strengths():
+        value, rest, unit = getattr(effect, field), known[field].at_rest(setup, effect.member), known[field].unit
+        largest[unit] = max(largest.get(unit, 0.0), abs(value - rest) if math.isfinite(rest) else value)
+    return {field: SHAPE * largest[one.unit] if field in effect.strengths() else 0.0 for field, one in known.items()}
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:

@@ -57,6 +57,11 @@ def at_peaks(record: Measurement, bench: Bench, settings: Settings, scatter: Sca
     return np.concatenate(columns), np.array(rise)
 
 
+def expected(moved: float) -> float:
+    """Return by how much waviness raises the largest Kw, over what is expected, where its nuisance has moved so many prior deviations."""
+    return 1.0 + moved / EXPECTED_RISE
+
+
 def largest_of(peaks: Array, deviation: float) -> float:
     """Return the expected largest of independent normal values of these means, shape (z1,), and one deviation; to a thousandth of that."""
     if deviation == 0.0:

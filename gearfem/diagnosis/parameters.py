@@ -10,6 +10,9 @@ from gearfem.definition.setup import Setup
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array
 
+# Part of its range within which a strength counts as none.
+NOTHING = 1e-3
+
 
 def values(effects: tuple[Effect, ...]) -> Array:
     """Return the parameters of effects, shape (p,)."""
@@ -50,10 +53,27 @@ def moved(effects: tuple[Effect, ...], to: Array) -> tuple[Effect, ...]:
 
 def at_bounds(effects: tuple[Effect, ...], setup: Setup) -> tuple[tuple[int, str], ...]:
     """Return the parameters that stand at a bound: number of the effect and field."""
+    return tuple((number, field) for number, effect in enumerate(effects) for field in _ended(effect, setup))
+
+
+def overdone(effects: tuple[Effect, ...], setup: Setup) -> tuple[Effect, ...]:
+    """Return the effects that are as strong as can be: of which a strength stands at a bound that is not its neutral value."""
+    return tuple(e for e in effects if any(_away(e, field, setup) > NOTHING for field in _ended(e, setup) if field in e.strengths()))
+
+
+def _ended(effect: Effect, setup: Setup) -> tuple[str, ...]:
+    """Return the fields of an effect that stand at a bound."""
     found = []
-    for number, effect in enumerate(effects):
-        for field, known in effect.parameters().items():
-            value, *edges = (known.coordinate(at) for at in (getattr(effect, field), *known.bounds(setup, effect.member)))
-            if any(abs(value - edge) <= 1e-6 * abs(edges[1] - edges[0]) for edge in edges):
-                found.append((number, field))
+    for field, known in effect.parameters().items():
+        value, *edges = (known.coordinate(at) for at in (getattr(effect, field), *known.bounds(setup, effect.member)))
+        if any(abs(value - edge) <= 1e-6 * abs(edges[1] - edges[0]) for edge in edges):
+            found.append(field)
     return tuple(found)
+
+
+def _away(effect: Effect, field: str, setup: Setup) -> float:
+    """Return how far a strength is from its neutral value, in parts of its range."""
+    known = effect.parameters()[field]
+    at = getattr(effect, field), known.at_rest(setup, effect.member), *known.bounds(setup, effect.member)
+    value, rest, low, high = map(known.coordinate, at)
+    return abs((value - rest) / (high - low))

@@ -14,7 +14,7 @@ from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.largest import EXPECTED_RISE, at_peaks
+from gearfem.diagnosis.largest import at_peaks, expected
 from gearfem.diagnosis.noise import Noise, measure_noise
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.roles import Role
@@ -245,7 +245,7 @@ def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, 
     """Return what remains of a record under a model that is right: noise, and the waviness that the fit finds, its doubt included."""
     unknowns = problem.unknowns
     if record.quantity.name == "dynamic_factor":
-        rise = at_peaks(record, bench, fit.settings, unknowns.scatter)[1] * (1.0 + fit.point.unknown[-1] / EXPECTED_RISE)
+        rise = at_peaks(record, bench, fit.settings, unknowns.scatter)[1] * expected(fit.point.unknown[-1])
         return math.hypot(noise.std, float(np.sqrt(np.mean(rise[record.keep] ** 2))))
     columns = tooth_columns(record, bench, fit.settings, unknowns.scatter) * unknowns.teeth
     columns = columns[:, unknowns.wavy - unknowns.first_tooth][record.keep]

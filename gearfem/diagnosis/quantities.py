@@ -12,7 +12,7 @@ Axis = Literal["angle", "speed", "roll", "tooth"]
 
 # What healthy pairs leave, of their own deviation: of slow records waviness finer than the terms fitted; at speed also the linearised
 # response, and teeth that act on each other by it; of a mesh stiffness, which jumps where pairs hand over, one row in fifty or so that lies
-# on the wrong side of a jump; of the largest Kw of a turn, which waviness raises, a third to a half.
+# on the wrong side of a jump; of the largest Kw of a turn, with its expected rise by waviness, a tenth to a quarter, more under light load.
 SLOW, MOVING, JUMPING, LARGEST = 0.04, 0.15, 0.30, 0.25
 
 

@@ -12,6 +12,7 @@ from scipy.stats import median_abs_deviation
 
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.mimic import mimicked
+from gearfem.diagnosis.parameters import overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import STRAYED
 from gearfem.diagnosis.side_by_side import side_by_side
@@ -42,8 +43,6 @@ FAR = 2.0
 LITTLE = 0.25
 # Waves a turn of index errors that are looked at.
 WAVES = 3
-# Part of its range within which a strength counts as none.
-NOTHING = 1e-3
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 
@@ -147,7 +146,7 @@ class Search:
         return max(DETECTED, IMITATED * self.rows)
 
     def best(self, most: int = MOST) -> Fit:
-        """Return the fit of the best score of which our own errors imitate no effect; effects beside the first pay for themselves too."""
+        """Return the fit of the best score that may be named; effects beside the first pay for themselves too."""
         least = min(fit.objective for fit in self.fits.values())
         like, other = (max(self.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER))
 
@@ -157,27 +156,18 @@ class Search:
             return self.score(fit) + further
 
         ranked = sorted((fit for fit in self.fits.values() if len(fit.effects) <= most), key=price)
-        return next(fit for fit in ranked if not self.imitated(fit) and not self.overdone(fit))
+        return next(fit for fit in ranked if not self.barred(fit))
 
-    def overdone(self, fit: Fit) -> bool:
-        """Return whether an effect of a fit is as strong as can be: something else is, of which it has the look."""
-        setup = self.problem.campaign.setup
-        for number, field in fit.bound:
-            effect = fit.effects[number]
-            known = effect.parameters()[field]
-            if known.neutral is not None:
-                here, rest, low, high = map(
-                    known.coordinate, (getattr(effect, field), known.at_rest(setup, effect.member), *known.bounds(setup, effect.member))
-                )
-                if abs(here - rest) > NOTHING * abs(high - low):
-                    return True
-        return False
-
-    def imitated(self, fit: Fit) -> tuple[Effect, ...]:
-        """Return the effects of a fit that errors of our model imitate at half their strength or more."""
+    def barred(self, fit: Fit) -> str:
+        """Return why a fit may not be named, in words: errors of our model imitate an effect of it, or one is overdone; empty if it may."""
+        for effect in overdone(fit.effects, self.problem.campaign.setup):
+            return f"{effect.describe()}: as strong as can be, so that something else is missing that looks like it"
         if fit not in self._mimicked:
             self._mimicked[fit] = mimicked(self.problem, fit)
-        return tuple(effect for effect, share in zip(fit.effects, self._mimicked[fit], strict=True) if share > MIMICKED)
+        for effect, share in zip(fit.effects, self._mimicked[fit], strict=True):
+            if share > MIMICKED:
+                return f"{effect.describe()}: errors of our own model would be taken for half of it or more"
+        return ""
 
 
 def astray(problem: Problem, fit: Fit) -> Array:

@@ -114,10 +114,10 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         return max(threshold, MIRRORED) if _mirrored(fit, best) else threshold
 
     # Only those that come near are worth the question.
-    imitated = {fit: search.imitated(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
+    barred = {fit: search.barred(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
-    close = [fit for fit, by in imitated.items() if len(fit.effects) <= len(best.effects) and not by and not search.overdone(fit)]
+    close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
     if not best.effects or gained < search.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray and not _turns(search.problem, alone) else "unexplained"
     elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turns(search.problem, best):
@@ -136,8 +136,8 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         Rival(
             effects=fit.effects,
             score_difference=worse,
-            why=_why(fit, best, worse, limit(fit), imitated.get(fit, ())),
-            near=worse < limit(fit),
+            why=barred.get(fit) or _why(fit, best, worse, limit(fit)),
+            near=worse < limit(fit) and not barred.get(fit),
         )
         for fit, worse in ((fit, scores[fit] - scores[best]) for fit in ranked if fit is not best)
     )
@@ -246,9 +246,7 @@ def _p_value(search: Search, best: Fit, number: int) -> float:
     return min(1.0, trials * float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters()))))
 
 
-def _why(fit: Fit, best: Fit, difference: float, threshold: float, imitated: tuple[Effect, ...]) -> str:
-    if imitated:
-        return f"{imitated[0].describe()}: errors of our own model would be taken for half of it or more"
+def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
     if best.effects and set(label(best.effects)) < set(label(fit.effects)):
         return f"gains less by what it has beside the named effects than a further name must (score {difference:+.1f})"
     if difference < 0.0:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from gearfem.diagnosis.diagnose import Diagnosis
-from gearfem.diagnosis.largest import EXPECTED_RISE
+from gearfem.diagnosis.largest import expected
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.diagnosis.variants import VARIANTS
@@ -137,7 +137,7 @@ def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     if any(rise.any() for rise in problem.rise):
         moved = float(fit.point.unknown[-1])
         words = "rise of the largest Kw of a turn by waviness, over the expected one"
-        rows.append(_row("kw_rise_scale", words, moved) | {"value": 1.0 + moved / EXPECTED_RISE})
+        rows.append(_row("kw_rise_scale", words, moved) | {"value": expected(moved)})
     for member, late in (("pinion", fit.settings.pinion_late), ("wheel", fit.settings.wheel_late)):
         worst = int(np.argmax(np.abs(late)))
         words = f"index error of tooth {worst} of the {member}, the largest"

@@ -20,6 +20,7 @@ from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, likely_
 from gearfem.diagnosis.diagnose import _held
 from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.mimic import mimicked
+from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, stays, uneven, waves_of
 from gearfem.diagnosis.suggest import suggest
@@ -228,15 +229,16 @@ def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> Non
 
 
 def test_what_is_as_strong_as_can_be_is_not_named(found: Diagnosis) -> None:
-    search, slope = Search(found.problem, found.naming.alone), ProfileSlope(gear="pinion", amount=5.0 * UM)
-
-    def ended(effect: Effect, field: str) -> Fit:
-        return dataclasses.replace(found.naming.fit, effects=(slope, effect), bound=((1, field),))
-
-    assert search.overdone(ended(ContactCompliance(scale=0.05), "scale"))
+    setup, slope = found.problem.campaign.setup, ProfileSlope(gear="pinion", amount=5.0 * UM)
+    most = ContactCompliance(scale=0.05)
+    assert overdone((slope, most), setup) == (most,)
+    ended = dataclasses.replace(found.naming.fit, effects=(slope, most))
+    assert Search(found.problem, found.naming.alone).barred(ended).startswith(most.describe())
     # At its neutral value it does nothing, and a length says where.
-    assert not search.overdone(ended(TipRelief(gear="wheel", amount=1e-12, length=2.0 * MM), "amount"))
-    assert not search.overdone(ended(TipRelief(gear="wheel", amount=9.0 * UM, length=9.0 * MM), "length"))
+    longest = TipRelief.parameters()["length"].bounds(setup, "wheel")[1]
+    none, long = (TipRelief(gear="wheel", amount=amount, length=longest) for amount in (1e-12, 9.0 * UM))
+    assert at_bounds((none, long), setup) == ((0, "amount"), (0, "length"), (1, "length"))
+    assert not overdone((none, long), setup)
 
 
 def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:

@@ -112,11 +112,11 @@ def test_one_number_is_explained_in_several_ways_or_needs_none(study, tmp_path, 
     path = study.myga_campaign(tmp_path)
     table = path.with_name("kw.csv")
     table.write_text(table.read_text().replace(",1.2", f",{measured}"))
-    kinds = {name: catalogue()[name] for name in ("centre_distance", "body_compliance", "friction")}
+    kinds = {name: catalogue()[name] for name in ("damping", "body_compliance", "friction")}
     found = diagnose(read_campaign(path), kinds)
     assert found.naming.verdict == verdict
     names = [[effect.name for effect in effects] for effects in (found.naming.fit.effects, *(one.effects for one in found.alternatives))]
     # More friction only adds to the factor here: it is no explanation.
-    assert sorted(names) == ([["body_compliance"], ["centre_distance"]] if verdict == "ambiguous" else [[]])
+    assert sorted(names) == ([["body_compliance"], ["damping"]] if verdict == "ambiguous" else [[]])
     assert bool(found.suggestions) == (verdict == "ambiguous")
     assert 0.0 < next(row["value"] for row in nuisance_rows(found) if row["name"] == "kw_rise_scale") < 2.0

@@ -160,7 +160,7 @@ def test_one_odd_tooth_among_sound_ones(sound: Outline) -> None:
     u = load_positions(sound, 20)
     little, deep = worn(sound, 0.019 * sound.gear.module), worn(sound, 0.021 * sound.gear.module)
     near, exact = (odd_tooth(METHOD, outline, sound, u) for outline in (little, deep))
-    assert near.deflection == pytest.approx(exact.deflection, rel=8e-3, abs=0.0)
+    assert near.deflection == pytest.approx(exact.deflection, rel=6e-3, abs=0.0)
     assert np.abs(near.coupling - exact.coupling).max() < 0.01 * exact.deflection.min()
     same = odd_tooth(METHOD, deep, deep, u)
     all_worn = METHOD.tooth(deep, u)
