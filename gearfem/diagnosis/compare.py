@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-import itertools
 from functools import partial
 
-from gearfem.diagnosis.bench import Settings, neutral
+from gearfem.diagnosis.approach import at_rest, fit_from, part_of, tuned
+from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.comparison import Compared, Comparison, Shift
-from gearfem.diagnosis.fit import ROUNDS, Fit, again
+from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.problem import BenchOf, Problem
-from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.zero import guess_zero
-from gearfem.foundation import Array, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Terms of the waviness of a flank. To find the zero and the noise, the few of `Scatter` are enough, and they leave the noise alone.
 TERMS = 14
 # Rounds in which guesses of the zero are told apart, in which the noise is found, and before derivatives are taken again.
 GUESSED, ROUGH, EARLY = 1, 3, 4
-# Tip edges to start from, of the model's; compliance in series and damping to start from, in prior deviations.
-EDGES = (1.0, 0.2)
-SERIES_TRIED, DAMPING_TRIED = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0), (-1.5, 0.0, 1.5)
 
 
 def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf | None = None, progress: Progress = quiet) -> Comparison:
@@ -58,8 +51,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     -----
     The zero of the angle comes first, from the slow records where there are any; then a rough fit, whose remainder shows the noise; then
     the slow records by themselves, and the compliance in series and the damping that suit motions; then the fit itself, whose derivatives
-    are taken anew until that gains little. Scales that try to do the work of a missing effect stand at their limits, where derivatives
-    mean little.
+    are taken anew until that gains little. Scales that do the work of a missing effect stray, see `unveiled`.
     """
     records, pair = campaign.fitted, campaign.setup.pair
     noises = tuple(measure_noise(record, pair) for record in records)
@@ -68,66 +60,20 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     refuse_magnitudes(campaign, rough.bench(()))
     level = dataclasses.replace(neutral(pair), angle_offset=_zero(rough, progress))
     progress("nuisances", 0, 4)
-    found = _fit(rough, level, ROUGH)
+    found = fit_from(rough, level, ROUGH)
     explained = (record.value - left for record, left in zip(records, found.left, strict=True))
     noises = tuple(measure_noise(record, pair, part) for record, part in zip(records, explained, strict=True))
     problem = Problem(campaign, records, noises, scatter or Scatter(terms=TERMS), make)
     progress("nuisances", 1, 4)
-    start = _at_rest(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset))
+    _, start = at_rest(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset))
     progress("nuisances", 2, 4)
-    early = problem.fit((), _tuned(problem, problem.prepare((), problem.unknowns.of(start))), EARLY)
+    early = problem.fit((), tuned(problem, problem.prepare((), problem.unknowns.of(start))), EARLY)
     progress("nuisances", 3, 4)
-    alone = _fit(problem, early.settings)
+    alone = fit_from(problem, early.settings)
     problem.remember(alone)
     alone = again(problem, (), alone.point.unknown)
     progress("nuisances", 4, 4)
     return Comparison(problem=problem, alone=alone, shifts=_shifts(problem, alone), records=_compared(problem, alone))
-
-
-def _fit(problem: Problem, start: Settings, rounds: int = ROUNDS) -> Fit:
-    """Return the fit of the nuisances alone from settings on, where their derivatives are taken."""
-    return problem.fit((), problem.prepare((), problem.unknowns.of(start)), rounds)
-
-
-def _few(problem: Problem, places: list[int]) -> Problem:
-    """Return the problem of the records at some places alone, with the nuisances that these can feel; not prepared."""
-    records, noises = tuple(problem.records[i] for i in places), tuple(problem.noises[i] for i in places)
-    return Problem(problem.campaign, records, noises, problem.unknowns.scatter, problem.bench)
-
-
-def _at_rest(problem: Problem, level: Settings) -> Settings:
-    """Return settings that slow records have from either build of the gears, with edges as the model has them or sharp; else those given.
-
-    They say what motions, which hide it near resonances, do not: where pairs hand over, and by how much teeth and bodies yield.
-    """
-    slow = [i for i, record in enumerate(problem.records) if not record.quantity.moving and not record.quantity.of_gear]
-    if not slow:
-        return level
-    few = _few(problem, slow)
-    fits = [_fit(few, dataclasses.replace(level, tip_edge_scale=edges)) for edges in EDGES]
-    return min(fits, key=lambda fit: fit.objective).settings
-
-
-def _tuned(problem: Problem, unknown: Array) -> Array:
-    """Return unknowns with the compliance in series and the damping, among a few of each, under which motions leave least.
-
-    The misfit of a resonance has a minimum wherever one of its lines meets one of the record's: no descent leaves a wrong one.
-    """
-    if not any(record.quantity.moving for record in problem.records):
-        return unknown
-    names = [nuisance.name for nuisance in problem.nuisances]
-    places = [names.index("series_compliance"), names.index("damping_scale")]
-
-    def one(moved: tuple[float, float]) -> Point | None:
-        tried = unknown.copy()
-        tried[places] = moved
-        with contextlib.suppress(SolveError):
-            return problem.at((), tried)
-        return None
-
-    found = side_by_side(one, list(itertools.product(SERIES_TRIED, DAMPING_TRIED)))
-    best = min([problem.at((), unknown), *(point for point in found if point)], key=lambda point: point.objective)
-    return best.unknown
 
 
 def _zero(problem: Problem, progress: Progress) -> float:
@@ -135,13 +81,13 @@ def _zero(problem: Problem, progress: Progress) -> float:
     if not any(nuisance.name == "angle_offset" for nuisance in problem.nuisances):
         return 0.0
     over = [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle"]
-    few = _few(problem, [i for i in over if not problem.records[i].quantity.moving] or over)
+    few = part_of(problem, [i for i in over if not problem.records[i].quantity.moving] or over)
     level = neutral(problem.campaign.setup.pair)
     guesses = guess_zero(few.records, problem.bench(()), level, tuple(noise.std for noise in few.noises))
     fits = []
     for number, guess in enumerate(guesses):
         progress("angle zero", number, len(guesses))
-        fits.append(_fit(few, dataclasses.replace(level, angle_offset=guess), GUESSED))
+        fits.append(fit_from(few, dataclasses.replace(level, angle_offset=guess), GUESSED))
     progress("angle zero", len(guesses), len(guesses))
     return min(fits, key=lambda fit: fit.objective).settings.angle_offset
 

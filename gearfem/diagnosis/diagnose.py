@@ -23,8 +23,9 @@ from gearfem.foundation.progress import Progress, quiet
 
 # What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed.
 OPEN, CLOSES = 2.0, 0.5
-# What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation.
-WORSE = 0.97
+# What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation; and where
+# nuisances stray, which foretell other records too then.
+WORSE, FAR_WORSE = 0.97, 0.5
 # Most rounds in which derivatives are taken again; draws of noise behind each map.
 SETTLED, DRAWS = 3, 100
 
@@ -128,11 +129,11 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
 def _held(naming: Naming, proof: Proof, sound: bool) -> Naming:
     """Return the verdict as the records held out leave it.
 
-    A gap that stays open there is not explained, and effects that do worse there than nuisances alone are no explanation, if these stay
-    where they do the work of no effect: index errors of all teeth, say, are as good as a runout.
+    A gap that stays open there is not explained, and effects that do worse there than nuisances alone are no explanation; by far worse, if
+    these do the work of an effect: index errors of all teeth, say, are as good as a runout.
     """
-    worse = proof.over_nuisances is not None and proof.over_nuisances < WORSE
-    if naming.verdict in ("explained", "partly_explained") and worse and sound:
+    worse = proof.over_nuisances is not None and proof.over_nuisances < (WORSE if sound else FAR_WORSE)
+    if naming.verdict in ("explained", "partly_explained") and worse:
         reason = f"On records held out, {naming.fit.effects[0].name} and what stands beside it leave more than nuisances alone."
         sentence, reasons = sentence_of("unexplained", naming.alone, naming.closed), (*naming.reasons, reason)
         return dataclasses.replace(naming, verdict="unexplained", fit=naming.alone, p_values=(), sentence=sentence, reasons=reasons)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +16,7 @@ from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.model_form import SHAPE
 from gearfem.diagnosis.point import Point
+from gearfem.diagnosis.straying import LOST, STRAYED
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
 
@@ -21,7 +24,9 @@ if TYPE_CHECKING:
     from gearfem.diagnosis.problem import Problem
 
 # Rounds after which derivatives are taken again; between them Broyden's corrections do.
-ROUNDS, HALVINGS, SETTLED, EXACT = 9, 3, 1.0, 3
+ROUNDS, SETTLED, EXACT = 9, 1.0, 3
+# What is added to the squares of all columns, in parts of them, until a step helps.
+DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 DIFFERENCE = 0.03
 # Rounds of fits prepared anew, and the share of the objective that one must have gained for another.
 AGAIN, WORTH = 3, 0.01
@@ -40,7 +45,7 @@ class Fit(Record):
     bound : tuple of (int, str)
         Parameters that ended at a bound: number of the effect and field.
     objective : float
-        Squares of the whitened residual and of all nuisances in prior deviations, summed.
+        Squares of the whitened residual and of all nuisances in prior deviations, summed, and what scales cost that stray, see `beyond`.
     point : Point
         Where the fit ended.
     settings : Settings
@@ -96,9 +101,9 @@ def fit(
     Notes
     -----
     Gauss and Newton's method on the objective that is left when everything linear (offsets, teeth, model form) has been
-    eliminated. Bounded least squares give the step of the parameters and of the scales, and steps that do not help are
-    shortened. Derivatives are corrected by what each step shows, and taken again every third round and before the fit ends. Columns of
-    what is linear are those of the last `prepare`.
+    eliminated. Bounded least squares give the step of the parameters and of the scales, and steps that do not help are damped (Levenberg
+    and Marquardt's), since scales do nearly the work of effects and valleys are narrow. Derivatives are corrected by what each step shows,
+    and taken again every third round and before the fit ends. Columns of what is linear are those of the last `prepare`.
     """
     point = problem.at(effects, unknown)
     derivatives, exact = jacobian(problem, point, fresh), True
@@ -170,34 +175,29 @@ def _corrected(problem: Problem, derivatives: Array, point: Point, ahead: Point)
 def _ahead(problem: Problem, point: Point, derivatives: Array) -> Point:
     """Return the next point, or the same one where no step helps."""
     values, outer = parameters.values(point.effects), problem.outer
-    step = _step(problem, point, derivatives)
-    share = 1.0
-    for _ in range(HALVINGS):
-        try:
+    for step in _steps(problem, point, derivatives):
+        with contextlib.suppress(InputError, SolveError):
             unknown = point.unknown.copy()
-            unknown[:outer] += share * step[len(values) :]
-            ahead = problem.at(parameters.moved(point.effects, values + share * step[: len(values)]), unknown, point.weights)
+            unknown[:outer] += step[len(values) :]
+            ahead = problem.at(parameters.moved(point.effects, values + step[: len(values)]), unknown, point.weights)
             if ahead.objective < point.objective:
                 return ahead
-        except (InputError, SolveError):
-            pass
-        share *= 0.35
     return point
 
 
-def _step(problem: Problem, point: Point, derivatives: Array) -> Array:
-    """Return the step of parameters and outer nuisances, within their bounds, that would leave least if all were linear."""
+def _steps(problem: Problem, point: Point, derivatives: Array) -> Iterator[Array]:
+    """Yield steps of parameters and outer nuisances, within their bounds, that would leave least if all were linear, damped ever more."""
     values, outer = parameters.values(point.effects), point.unknown[: problem.outer]
     low, high = parameters.bounds(point.effects, problem.campaign.setup)
     reach = np.array([nuisance.reach for nuisance in problem.nuisances])
     low, high = np.concatenate([low - values, -reach - outer]), np.concatenate([high - values, reach - outer])
     gram, pull = _measure(problem, point, derivatives)
-    pull[len(values) :] -= outer
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    factor = np.linalg.cholesky(scale[:, None] * gram * scale + 1e-9 * np.eye(len(scale)))
-    target = np.linalg.solve(factor, scale * pull)
     room = (np.minimum(low / scale, -1e-12), np.maximum(high / scale, 1e-12))
-    return np.asarray(scale * lsq_linear(factor.T, target, bounds=room).x)
+    for damping in DAMPING:
+        factor = np.linalg.cholesky(scale[:, None] * gram * scale + damping * np.eye(len(scale)))
+        target = np.linalg.solve(factor, scale * pull)
+        yield scale * lsq_linear(factor.T, target, bounds=room).x
 
 
 def _deviations(problem: Problem, point: Point, derivatives: Array) -> tuple[dict[str, float], ...]:
@@ -222,7 +222,11 @@ def _inexact(effect: Effect, setup: Setup) -> dict[str, float]:
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:
-    """Return the products of derivatives, the priors of the outer nuisances added, and their pull on what a point leaves."""
+    """Return the products of derivatives and their pull on what a point leaves, the priors of the outer nuisances in both."""
     gram, pull = problem.linear.weighed(point.weights).measure(derivatives, point.residual)
-    prior = np.concatenate([np.zeros(derivatives.shape[1] - problem.outer), np.ones(problem.outer)])
-    return gram + np.diag(prior), pull
+    outer = point.unknown[: problem.outer]
+    strayed, steep = problem.strayed(outer), problem.detected / (LOST - STRAYED)
+    own = np.arange(len(pull) - problem.outer, len(pull))
+    gram[own, own] += 1.0 + steep / (LOST - STRAYED) * (strayed > 0.0)
+    pull[own] -= outer + steep * strayed * np.sign(outer)
+    return gram, pull

@@ -10,7 +10,6 @@ import numpy as np
 from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import DETECTED
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Record
 
@@ -75,7 +74,7 @@ def identify(problem: Problem, base: Fit, candidates: Sequence[Candidate]) -> tu
             Identifiability(
                 effect=candidate.effect,
                 share=candidate.share,
-                limit=float(np.sqrt(DETECTED) / length[place]),
+                limit=float(np.sqrt(problem.detected) / length[place]),
                 rival=kept[nearest].effect if len(kept) > 1 else None,
                 overlap=float(min(alike[place, nearest], 1.0)),
             )

@@ -12,10 +12,11 @@ from gearfem.diagnosis.candidate import Candidate, together
 from gearfem.diagnosis.few import judge_few
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import identify
-from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.problem import DETECTED, Problem
 from gearfem.diagnosis.rank import rank, rank_again
-from gearfem.diagnosis.search import DETECTED, MOST, Search, Start, label, stays, way_of, without_one
+from gearfem.diagnosis.search import MOST, Search, Start, label, stays, way_of, without_one
 from gearfem.diagnosis.shapes import bounded
+from gearfem.diagnosis.unveil import unveiled
 from gearfem.diagnosis.verdict import Naming, gap_left, judge
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, SolveError
@@ -65,19 +66,19 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     search = Search(problem, alone)
     first = rank(problem, alone, kinds, progress)
     shown = identify(problem, alone, first)
-    if alone.objective < search.detected:
+    if alone.objective < search.problem.detected:
         return judge_few(search, judge(search, shown), first, progress)
     if _agrees(search, first):
         return judge(search, shown)
     _singles(search, alone, first, progress)
-    if gap_left(alone, problem) < 1.0 and alone.objective - search.best(1).objective < HOPELESS * search.detected:
+    if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * search.problem.detected:
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
     for count in range(1, MOST):
         # The best so many, though a pair may have been found already: each is a place to go on from.
         best = search.best(count)
-        if len(best.effects) != count or search.alone.objective - best.objective < HOPELESS * search.detected:
+        if len(best.effects) != count or search.gained(best) < HOPELESS * search.problem.detected:
             break
         problem.prepare(best.effects, best.point.unknown)
         named = label(best.effects)
@@ -109,14 +110,21 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
     """Return whether nuisances alone leave no gap, do the work of no effect, and no candidate promises half of what a name needs."""
     sound = gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
-    return sound and all(candidate.gain < HOPELESS * search.detected for candidate in candidates)
+    return sound and all(candidate.gain < HOPELESS * search.problem.detected for candidate in candidates)
 
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
     chosen = _apart([c for c in candidates if c.gain > PROMISING])[:FITTED]
     setup = search.problem.campaign.setup
     starts: list[Start] = [((candidate.start(setup),), candidate.unknown) for candidate in chosen]
-    search.fit(starts, alone, progress, "single effects")
+    veiled = unveiled(search.problem, alone, candidates, progress)
+    search.fit([*veiled, *starts], alone, progress, "single effects")
+    _again(search, veiled, progress)
+
+
+def _again(search: Search, starts: Sequence[Start], progress: Progress) -> None:
+    """Fit again what started far from where it ends: a first look says little."""
+    search.settle([search.fits[label(effects)] for effects, _ in starts if label(effects) in search.fits], progress, "these again")
 
 
 def _of_each_way(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -158,8 +166,7 @@ def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progre
     starts: list[Start] = [(tuple(candidate.start(setup) for candidate in pair), pair[0].unknown) for pair in chosen]
     both = _both_gears(search)
     search.fit([*starts, *both], alone, progress, "pairs of effects")
-    # It starts far from where it ends: a first look says little.
-    search.settle([search.fits[label(effects)] for effects, _ in both if label(effects) in search.fits], progress, "both gears")
+    _again(search, both, progress)
 
 
 def _both_gears(search: Search) -> list[Start]:

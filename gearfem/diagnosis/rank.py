@@ -32,8 +32,6 @@ VEILED = 0.05
 UNVEILED = 4
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
-# Prior deviations from which on a nuisance is a finding itself.
-STRAYED = 3.0
 
 
 def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> tuple[Candidate, ...]:
@@ -82,7 +80,8 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
     whole = [c for c in candidates if not hasattr(c.effect, "tooth")]
     likely = sorted(whole, key=lambda c: -scored(c.effect, c.signature, freed, setup, c.unknown).gain)
     named = {(type(effect), effect.member) for effect in base.effects}
-    veiled = [c for c in likely[LOOKED_AT:] if c.share < VEILED] if len(base.effects) == 1 and strayed(problem, base) else []
+    strayed = len(base.effects) == 1 and problem.strayed(base.point.unknown).any()
+    veiled = [c for c in likely[LOOKED_AT:] if c.share < VEILED] if strayed else []
     others = {kind: None for c in (*likely[:LOOKED_AT], *veiled) if (kind := (type(c.effect), c.effect.member)) not in named}
     return _ranked(problem, base, [*teeth, *others], progress, "candidates beside what is found")
 
@@ -128,7 +127,7 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
         if other is None or other.gain <= best.gain:
             break
         best = other
-    if len(view.base.effects) == 1 and best.share < VEILED and strayed(view.problem, view.base):
+    if len(view.base.effects) == 1 and best.share < VEILED and view.problem.strayed(view.base.point.unknown).any():
         # What nuisances do in its place shows where they stand as the model has them.
         problem, neutral = view.problem, view.problem.unknowns.neutral(view.base.point.unknown)
         fits = _fits(problem, [((*view.base.effects, best.effect), neutral)], UNVEILED, False, view.base.objective)
@@ -168,11 +167,6 @@ def _lost(view: View) -> bool:
     """Return whether a fit leaves so much of motions that what is linear about it says little."""
     moving = np.array([record.quantity.moving for record in view.problem.records])
     return bool(moving.any() and (view.base.squares / view.problem.floor)[moving].max() > LOST)
-
-
-def strayed(problem: Problem, fit: Fit) -> bool:
-    """Return whether nuisances of a fit stand where they may do the work of an effect."""
-    return bool(np.abs(fit.point.unknown[problem.unknowns.scales]).max(initial=0.0) > STRAYED)
 
 
 def _fits(

@@ -14,23 +14,17 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import overdone
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.rank import STRAYED
 from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.straying import beyond
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Costs in the score, in units of the objective where noise alone is left: of each parameter, and of each tooth or gear tried.
 PARAMETER = 8.0
-# What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
-DETECTED = 40.0
-# Share of the rows that a name must gain too: healthy pairs gain up to a third of that by effects that imitate errors of our model.
-IMITATED = 0.01
 # A further name must gain this share of what the first ones did where it acts as one of them does: less is the difference between their
 # shapes and the real ones, which other effects do not imitate as well.
 FURTHER, FURTHER_OTHER = 0.05, 0.01
-# Prior deviations at which a nuisance costs as much as a name must gain; from `STRAYED` on it costs something.
-LOST = 5.0
 # An effect is named from twice the strength on at which errors of our model imitate it.
 MIMICKED = 0.5
 # Most effects of an explanation.
@@ -40,7 +34,7 @@ NEAR, RIVALS = 0.3, 3
 # What a fit may leave of a record, over what can be expected, before another start is tried.
 FAR = 2.0
 # Share of what counts as detected that a fit with a further effect must promise to gain beside the one it builds on, or it is given up.
-LITTLE = 0.25
+LITTLE = 0.5
 # Waves a turn of index errors that are looked at.
 WAVES = 3
 # What a parameter costs that ends at a bound: the shape wants to be another one.
@@ -65,7 +59,7 @@ class Search:
         """Fit sets of effects, each set of names, gears and teeth once."""
         new = [start for start in starts if label(start[0]) not in self.fits]
         best = min(fit.objective for fit in self.fits.values())
-        worth, further = self.alone.objective - 0.5 * (self.alone.objective - best), base.objective - LITTLE * self.detected
+        worth, further = 0.5 * (self.alone.objective + best), base.objective - LITTLE * self.problem.detected
 
         def one(start: Start) -> Fit | None:
             hopeless = further if base.effects and len(start[0]) > len(base.effects) else worth
@@ -77,7 +71,8 @@ class Search:
         for number, (start, found) in enumerate(zip(new, side_by_side(one, new), strict=True)):
             progress(words, number, len(new))
             if found is not None:
-                self.fits[label(start[0])] = found
+                before = self.fits.get(label(start[0]), found)
+                self.fits[label(start[0])] = min(before, found, key=self.score)
         progress(words, max(len(new), 1), max(len(new), 1))
 
     def start(self, start: Start, base: Fit) -> Array:
@@ -135,20 +130,18 @@ class Search:
         return total
 
     def score(self, fit: Fit) -> float:
-        """Return the score of a fit; lower is better. Nuisances that do the work of an effect cost as one must gain."""
-        beyond = np.maximum(astray(self.problem, fit) ** 2 - STRAYED**2, 0.0)
-        strayed = float(beyond.sum()) / (LOST**2 - STRAYED**2) * self.detected
+        """Return the score of a fit; lower is better. Errors of model and index that do the work of an effect cost as one must gain."""
+        strayed = self.problem.detected * float((beyond(errors_of(self.problem, fit)) ** 2).sum())
         return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound) + strayed
 
-    @property
-    def detected(self) -> float:
-        """Least gain that counts."""
-        return max(DETECTED, IMITATED * self.rows)
+    def gained(self, fit: Fit) -> float:
+        """Return by how much a fit scores better than nuisances alone."""
+        return self.score(self.alone) - self.score(fit)
 
     def best(self, most: int = MOST) -> Fit:
         """Return the fit of the best score that may be named; effects beside the first pay for themselves too."""
         least = min(fit.objective for fit in self.fits.values())
-        like, other = (max(self.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER))
+        like, other = (max(self.problem.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER))
 
         def price(fit: Fit) -> float:
             ways = len({way_of(effect) for effect in fit.effects})
@@ -170,10 +163,9 @@ class Search:
         return ""
 
 
-def astray(problem: Problem, fit: Fit) -> Array:
-    """Return scales and errors of our model in prior deviations, and how far index errors are from those of single teeth, see `uneven`."""
-    unknowns = problem.unknowns
-    return np.concatenate([fit.point.unknown[unknowns.scales], fit.point.unknown[unknowns.first_form :], uneven(problem, fit).ravel()])
+def errors_of(problem: Problem, fit: Fit) -> Array:
+    """Return errors of our model in prior deviations, and how far index errors are from those of single teeth, see `uneven`."""
+    return np.concatenate([fit.point.unknown[problem.unknowns.first_form :], uneven(problem, fit).ravel()])
 
 
 def uneven(problem: Problem, fit: Fit) -> Array:
@@ -201,7 +193,7 @@ def waves_of(late: Array) -> Array:
 
 def stays(problem: Problem, fit: Fit) -> bool:
     """Return whether scales, errors of our model and index errors of a fit stay where they do the work of no effect."""
-    return bool(np.abs(astray(problem, fit)).max() < STRAYED)
+    return not problem.strayed(fit.point.unknown).any() and not beyond(errors_of(problem, fit)).any()
 
 
 def way_of(effect: Effect) -> tuple[str, str]:

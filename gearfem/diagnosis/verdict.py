@@ -12,8 +12,8 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.rank import STRAYED
-from gearfem.diagnosis.search import LOST, Label, Search, label, uneven, waves_of
+from gearfem.diagnosis.search import Label, Search, label, uneven, waves_of
+from gearfem.diagnosis.straying import LOST, STRAYED
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, Record
 
@@ -118,8 +118,9 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = _astray(search)
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
-    if not best.effects or gained < search.detected:
-        verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray and not _turns(search.problem, alone) else "unexplained"
+    if not best.effects or gained < search.problem.detected:
+        sound = level < 1.0 and not astray and not _turns(search.problem, alone) and not _misshapen(search.problem, alone)
+        verdict: Verdict = "no_discrepancy" if sound else "unexplained"
     elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turns(search.problem, best):
         verdict = "unexplained"
     elif close:
@@ -154,7 +155,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         threshold=max([threshold, *(limit(fit) for fit in close)]),
         sentence=sentence_of(verdict, named, closed),
         reasons=(
-            f"The best explanation gains {gained:.0f} in the score; a name needs {search.detected:.0f}.",
+            f"The best explanation gains {gained:.0f} in the score; a name needs {search.problem.detected:.0f}.",
             f"Nuisances alone leave {level:.2f}, the best explanation leaves {remains:.2f} times what counts as a gap.",
             *(
                 f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
@@ -183,13 +184,18 @@ def _astray(search: Search) -> list[tuple[str, float]]:
     problem, alone = search.problem, search.alone
     moved = alone.point.unknown[: problem.outer]
     deviation = problem.whole.weighed(alone.point.weights).deviations[-problem.outer :]
-    insists = (np.abs(moved) - STRAYED) ** 2 > search.detected * deviation**2
+    insists = (np.abs(moved) - STRAYED) ** 2 > search.problem.detected * deviation**2
     return [(problem.nuisances[at].words, float(moved[at])) for at in problem.unknowns.scales if insists[at] and abs(moved[at]) >= ASTRAY]
 
 
 def _turns(problem: Problem, fit: Fit) -> bool:
     """Return whether the index errors of a fit hold waves once to three times a turn that no teeth have by chance."""
     return bool(uneven(problem, fit)[1].max() > LOST)
+
+
+def _misshapen(problem: Problem, fit: Fit) -> bool:
+    """Return whether an error of our model in a fit, as a form common to all teeth, is too large to be one."""
+    return bool(np.abs(fit.point.unknown[problem.unknowns.first_form :]).max(initial=0.0) > LOST)
 
 
 def _within_reason(fit: Fit, problem: Problem) -> Array:

@@ -196,11 +196,14 @@ def test_how_far_a_shape_may_be_wrong_imitates_another_effect_and_not_its_own(fo
     assert other > 3.0 * alone
 
 
-@pytest.mark.parametrize(("share", "stays", "verdict"), [(0.9, True, "unexplained"), (0.9, False, "explained"), (1.0, True, "explained")])
+@pytest.mark.parametrize(
+    ("share", "stays", "verdict"),
+    [(0.9, True, "unexplained"), (0.9, False, "explained"), (0.4, False, "unexplained"), (1.0, True, "explained")],
+)
 def test_a_name_that_does_worse_than_nuisances_where_nobody_looked_is_withdrawn(
     found: Diagnosis, share: float, stays: bool, verdict: str
 ) -> None:
-    """Unless these stray so far that they do the work of an effect themselves."""
+    """By far worse, where these stray so far that they do the work of an effect themselves."""
     held = _held(found.naming, dataclasses.replace(found.proof, over_nuisances=share), stays)
     assert held.verdict == verdict
     assert bool(held.fit.effects) == (verdict == "explained")

@@ -1,0 +1,69 @@
+"""Where fits begin: slow records by themselves, then the resonances of motions."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import itertools
+from collections.abc import Sequence
+
+from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.fit import ROUNDS, Fit, again
+from gearfem.diagnosis.point import Point
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, SolveError
+
+# Tip edges to start from, of the model's; compliance in series and damping to start from, in prior deviations.
+EDGES = (1.0, 0.2)
+SERIES_TRIED, DAMPING_TRIED = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0), (-1.5, 0.0, 1.5)
+
+
+def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS) -> Fit:
+    """Return the fit of the nuisances alone from settings on, where their derivatives are taken."""
+    return problem.fit((), problem.prepare((), problem.unknowns.of(start)), rounds)
+
+
+def part_of(problem: Problem, places: Sequence[int]) -> Problem:
+    """Return the problem of the records at some places alone, with the nuisances that these can feel; not prepared."""
+    records, noises = tuple(problem.records[i] for i in places), tuple(problem.noises[i] for i in places)
+    return Problem(problem.campaign, records, noises, problem.unknowns.scatter, problem.bench)
+
+
+def at_rest(
+    problem: Problem, level: Settings, effects: tuple[Effect, ...] = (), edges: Sequence[float] = EDGES
+) -> tuple[tuple[Effect, ...], Settings]:
+    """Return effects and settings as slow records have them, from edges as the model has them or sharp; else those given.
+
+    They say what motions, which hide it near resonances, do not: where pairs hand over, and by how much teeth and bodies yield.
+    """
+    slow = [i for i, record in enumerate(problem.records) if not record.quantity.moving and not record.quantity.of_gear]
+    if not slow:
+        return effects, level
+    part = part_of(problem, slow)
+    fits = [again(part, effects, part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge))) for edge in edges]
+    best = min(fits, key=lambda fit: fit.objective)
+    return best.effects, best.settings
+
+
+def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) -> Array:
+    """Return unknowns with the compliance in series and the damping, among a few of each, under which motions leave least.
+
+    The misfit of a resonance has a minimum wherever one of its lines meets one of the record's: no descent leaves a wrong one.
+    """
+    if not any(record.quantity.moving for record in problem.records):
+        return unknown
+    names = [nuisance.name for nuisance in problem.nuisances]
+    places = [names.index("series_compliance"), names.index("damping_scale")]
+
+    def one(moved: tuple[float, float]) -> Point | None:
+        tried = unknown.copy()
+        tried[places] = moved
+        with contextlib.suppress(SolveError):
+            return problem.at(effects, tried)
+        return None
+
+    found = side_by_side(one, list(itertools.product(SERIES_TRIED, DAMPING_TRIED)))
+    best = min([problem.at(effects, unknown), *(point for point in found if point)], key=lambda point: point.objective)
+    return best.unknown

@@ -1,0 +1,82 @@
+"""Effects whose work nuisances have done, looked for with the nuisances as the model has them."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Sequence
+
+from gearfem.definition.setup import Member
+from gearfem.diagnosis.approach import at_rest, tuned
+from gearfem.diagnosis.candidate import Candidate
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.shapes import bounded
+from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.verdict import gap_left
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation.progress import Progress
+
+# Strengths at which effects are tried, in typical ones, and how many of them are worth a fit.
+STRENGTHS, MOST = (-1.0, 1.0, 4.0, 16.0), 4
+
+
+def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], progress: Progress) -> list[tuple[tuple[Effect, ...], Array]]:
+    """Return single effects to fit, and nuisances to start from, where those alone stray.
+
+    None where no scale does, or where they leave a gap all the same: what is missing shows in that.
+
+    Parameters
+    ----------
+    problem, alone : Problem, Fit
+        Whose scales may do the work of what is missing, so that derivatives there show nothing of it.
+    candidates : sequence of Candidate
+        Effects that the records feel; those of all teeth are tried at several strengths.
+    progress : Progress
+        Told after each effect.
+
+    Returns
+    -------
+    list of (tuple of Effect, ndarray of shape (k,))
+        Those that bring a model with its own scales nearest to the records, as slow records have them, tuned to the resonances.
+    """
+    if not problem.strayed(alone.point.unknown).any() or gap_left(alone, problem) > 1.0:
+        return []
+    setup, neutral = problem.campaign.setup, problem.unknowns.neutral(alone.point.unknown)
+    level = problem.settings(neutral)
+    jobs = list({(type(c.effect), c.effect.member): None for c in candidates if not hasattr(c.effect, "tooth")})
+
+    def left(effects: tuple[Effect, ...]) -> float:
+        try:
+            for effect in effects:
+                effect.check(setup)
+            return problem.at(effects, neutral).objective
+        except (InputError, SolveError):
+            return math.inf
+
+    def nearest(job: tuple[type[Effect], Member]) -> tuple[float, tuple[Effect, ...]]:
+        example = job[0].example(setup, job[1])
+        tried = [(bounded(example.scaled(strength, setup), setup),) for strength in STRENGTHS]
+        return min(((left(effects), effects) for effects in tried), key=lambda item: item[0])
+
+    def approached(effects: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], Array]:
+        try:
+            there, settings = at_rest(problem, level, effects, (level.tip_edge_scale,))
+            here = copy.copy(problem)
+            return there, tuned(here, here.prepare(there, problem.unknowns.of(settings)), there)
+        except (InputError, SolveError):
+            return effects, neutral
+
+    words = "effects in the place of nuisances"
+    bare, found = left(()), []
+    for number, best in enumerate(side_by_side(nearest, jobs)):
+        progress(words, number, len(jobs) + MOST)
+        found.append(best)
+    nearer = [effects for least, effects in sorted(found, key=lambda item: item[0]) if least < bare][:MOST]
+    starts = []
+    for number, start in enumerate(side_by_side(approached, nearer)):
+        progress(words, len(jobs) + number, len(jobs) + MOST)
+        starts.append(start)
+    progress(words, len(jobs) + MOST, len(jobs) + MOST)
+    return starts

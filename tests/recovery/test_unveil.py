@@ -1,0 +1,62 @@
+"""Nuisances that do the work of an effect: what they cost, and how the effect is found all the same."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from gearfem.diagnosis import choose, compare, rank, read_campaign
+from gearfem.diagnosis.comparison import Comparison
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.straying import beyond
+from gearfem.diagnosis.unveil import unveiled
+from gearfem.effects.body_compliance import BodyCompliance
+from gearfem.effects.catalogue import catalogue
+from gearfem.foundation.progress import quiet
+from tests.recovery.test_diagnosis import PLAN, on_the_rig
+
+KINDS = choose(catalogue(), ["body_compliance", "contact_compliance", "tip_relief"])
+SCALE = 3.0
+RECORD = {"samples_per_turn": 234, "turns": 1.4}
+# Mesh stiffness has no constant of its own: without it nobody sees what bodies add to every load position alike.
+RECORDS = [
+    {"file": "te_40Nm.csv", "quantity": "static_transmission_error", "pinion_torque_Nm": 40.0} | RECORD,
+    {"file": "stiffness_40Nm.csv", "quantity": "mesh_stiffness", "pinion_torque_Nm": 40.0} | RECORD,
+]
+
+
+@pytest.fixture(scope="module")
+def veiled(tmp_path_factory: pytest.TempPathFactory) -> Comparison:
+    """Compare a pair whose bodies yield three times as much as computed."""
+    hidden = {"effect": [{"name": "body_compliance", "scale": SCALE}]}
+    return compare(read_campaign(on_the_rig(tmp_path_factory.mktemp("veiled"), hidden, PLAN | {"record": RECORDS})))
+
+
+def test_a_nuisance_costs_more_than_its_prior_from_three_deviations_on() -> None:
+    assert beyond(np.array([0.0, -2.0, 3.0, -4.0, 5.0, 7.0])).tolist() == [0.0, 0.0, 0.0, 0.5, 1.0, 2.0]
+
+
+@pytest.mark.parametrize(("moved", "levels"), [(2.9, 0.0), (4.0, 0.25), (-5.0, 1.0)])
+def test_the_objective_holds_what_straying_costs(veiled: Comparison, monkeypatch: pytest.MonkeyPatch, moved: float, levels: float) -> None:
+    problem, unknown = veiled.problem, np.zeros_like(veiled.alone.point.unknown)
+    unknown[next(i for i, nuisance in enumerate(problem.nuisances) if nuisance.name == "gain")] = moved
+    with_cost, detected = problem.at((), unknown).objective, problem.detected
+    monkeypatch.setattr(Problem, "detected", 0.0)
+    assert with_cost - problem.at((), unknown).objective == pytest.approx(levels * detected, rel=1e-9, abs=1e-6)
+
+
+def test_an_effect_whose_work_nuisances_do_is_found_where_they_stand_as_the_model_has_them(veiled: Comparison) -> None:
+    problem, alone = veiled.problem, veiled.alone
+    assert problem.strayed(alone.point.unknown).any()
+    starts = unveiled(problem, alone, rank(problem, alone, KINDS), quiet)
+    bodies = [effect.scale for effects, _ in starts for effect in effects if isinstance(effect, BodyCompliance)]
+    assert len(bodies) == 1
+    assert bodies[0] == pytest.approx(SCALE, rel=0.1)
+
+
+def test_nothing_is_looked_for_where_no_nuisance_strays(veiled: Comparison) -> None:
+    problem, alone = veiled.problem, veiled.alone
+    sound = dataclasses.replace(alone, point=dataclasses.replace(alone.point, unknown=problem.unknowns.neutral(alone.point.unknown)))
+    assert unveiled(problem, sound, (), quiet) == []
