@@ -152,7 +152,13 @@ class Search:
         return next(fit for fit in ranked if not self.barred(fit))
 
     def barred(self, fit: Fit) -> str:
-        """Return why a fit may not be named, in words: errors of our model imitate an effect of it, or one is overdone; empty if it may."""
+        """Return why a fit may not be named, in words; empty if it may.
+
+        An effect of it contradicts its own cause, or is as strong as can be, or errors of our model imitate it.
+        """
+        for effect in fit.effects:
+            if effect.contradicts():
+                return f"{effect.describe()}: {effect.contradicts()}"
         for effect in overdone(fit.effects, self.problem.campaign.setup):
             return f"{effect.describe()}: as strong as can be, so that something else is missing that looks like it"
         if fit not in self._mimicked:

@@ -214,6 +214,10 @@ class Effect(Record, abc.ABC):
             changes[field] = known.value(rest + strength * (full - rest))
         return dataclasses.replace(self, **changes)
 
+    def contradicts(self) -> str:
+        """Return in words what in its parameters contradicts its own cause; empty where nothing does. A diagnosis names none that does."""
+        return ""
+
     def check(self, setup: Setup) -> None:
         """Refuse what is not on these gears or beyond the bounds; raises InputError that names the key.
 

@@ -13,6 +13,9 @@ from gearfem.effects.roll import active_flank
 from gearfem.flank import Flanks
 from gearfem.foundation import Array
 
+# How much deeper than at the tip or the root wear at the pitch point may be found, in parts of the largest depth.
+SLACK = 0.1
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class ProfileWear(Effect):
@@ -31,6 +34,11 @@ class ProfileWear(Effect):
         "depth at the lowest contact point and below it", "um", low=0.0, high=modules(0.1), typical=modules(0.004), neutral=0.0
     )
     pitch: float = parameter("depth at the pitch point", "um", low=0.0, high=modules(0.1), typical=modules(0.0005), neutral=0.0)
+
+    def contradicts(self) -> str:
+        """Return that the pitch point wears more than the tip or the root; by less than a tenth of the largest depth it may."""
+        deeper = self.pitch > min(self.tip, self.root) + SLACK * max(self.tip, self.root)
+        return "flanks wear least at the pitch point, where nothing slides" if deeper else ""
 
     def act(self, flanks: Flanks, setup: Setup) -> Flanks:
         """Take the worn metal from all teeth."""

@@ -31,6 +31,7 @@ from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.profile_wear import ProfileWear
 from gearfem.effects.runout import Runout
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation import InputError
@@ -242,6 +243,15 @@ def test_what_is_as_strong_as_can_be_is_not_named(found: Diagnosis) -> None:
     none, long = (TipRelief(gear="wheel", amount=amount, length=longest) for amount in (1e-12, 9.0 * UM))
     assert at_bounds((none, long), setup) == ((0, "amount"), (0, "length"), (1, "length"))
     assert not overdone((none, long), setup)
+
+
+@pytest.mark.parametrize(("tip", "root", "pitch", "named"), [(6.0, 9.0, 1.0, True), (1.0, 9.0, 1.8, True), (1.0, 9.0, 2.0, False)])
+def test_wear_that_is_not_least_at_the_pitch_point_is_not_named(
+    found: Diagnosis, tip: float, root: float, pitch: float, named: bool
+) -> None:
+    wear = ProfileWear(gear="wheel", tip=tip * UM, root=root * UM, pitch=pitch * UM)
+    why = Search(found.problem, found.naming.alone).barred(dataclasses.replace(found.naming.fit, effects=(wear,)))
+    assert ("nothing slides" in why) != named
 
 
 def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
