@@ -52,7 +52,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     them from effects.
     """
     problem, alone, setup = search.problem, search.alone, search.problem.campaign.setup
-    chance, with_errors = (float(chi2.sf(_square(problem, search, own), search.rows)) for own in (False, True))
+    chance, with_errors = (float(chi2.sf(_square(problem, search, own), len(alone.white))) for own in (False, True))
     seen = (
         f"Nuisances alone leave {gap_left(alone, problem):.2f} times what counts as a gap.",
         f"Noise, single teeth and scales within their priors make a gap as wide with a chance of {chance:.2g}; "

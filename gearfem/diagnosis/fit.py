@@ -16,7 +16,7 @@ from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.model_form import SHAPE
 from gearfem.diagnosis.point import Point
-from gearfem.diagnosis.straying import LOST, STRAYED
+from gearfem.diagnosis.straying import halves
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
 
@@ -225,8 +225,11 @@ def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array,
     """Return the products of derivatives and their pull on what a point leaves, the priors of the outer nuisances in both."""
     gram, pull = problem.linear.weighed(point.weights).measure(derivatives, point.residual)
     outer = point.unknown[: problem.outer]
-    strayed, steep = problem.strayed(outer), problem.detected / (LOST - STRAYED)
     own = np.arange(len(pull) - problem.outer, len(pull))
-    gram[own, own] += 1.0 + steep / (LOST - STRAYED) * (strayed > 0.0)
-    pull[own] -= outer + steep * strayed * np.sign(outer)
+    gram[own, own] += 1.0
+    pull[own] -= outer
+    scales = problem.unknowns.scales
+    slopes, bends = halves(outer[scales])
+    gram[own[scales], own[scales]] += problem.detected * bends
+    pull[own[scales]] -= problem.detected * slopes
     return gram, pull

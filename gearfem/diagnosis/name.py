@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -19,7 +18,6 @@ from gearfem.diagnosis.shapes import bounded
 from gearfem.diagnosis.unveil import unveiled
 from gearfem.diagnosis.verdict import Naming, gap_left, judge
 from gearfem.effects.effect import Effect
-from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Single effects, and further ones beside the best, that are fitted.
@@ -180,14 +178,7 @@ def _both_gears(search: Search) -> list[Start]:
         parts = zip(alike[:2], (share, 1.0 - share), strict=True)
         starts.append((tuple(bounded(fit.effects[0].scaled(part, setup), setup) for fit, part in parts), None))
     problem, alone = search.problem, search.alone
-
-    def left(start: Start) -> float:
-        try:
-            return problem.at(start[0], search.start(start, alone)).objective
-        except (InputError, SolveError):
-            return math.inf
-
-    return [min(starts, key=left)]
+    return [min(starts, key=lambda start: problem.left_at(start[0], search.start(start, alone)))]
 
 
 def _eliminate(search: Search) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -22,7 +23,7 @@ from gearfem.diagnosis.system_bench import SystemBench, bench_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.unknowns import unknowns_of
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array
+from gearfem.foundation import Array, InputError, SolveError
 
 # What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
 DETECTED = 40.0
@@ -186,6 +187,13 @@ class Problem:
             weights=deserved,
             objective=float(cost.sum() + solved @ solved + outer @ outer + self.detected * (self.strayed(outer) ** 2).sum()),
         )
+
+    def left_at(self, effects: tuple[Effect, ...], unknown: Array) -> float:
+        """Return the objective at a point, see `at`; infinity where there is none."""
+        try:
+            return self.at(effects, unknown).objective
+        except (InputError, SolveError):
+            return math.inf
 
     def strayed(self, unknown: Array) -> Array:
         """Return how far the outer of unknowns have strayed, shape (outer,); 0 for the zero of the angle and how the gears are built."""

@@ -52,11 +52,10 @@ class Search:
     def __init__(self, problem: Problem, alone: Fit) -> None:
         self.problem, self.alone = problem, alone
         self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
-        self.rows = len(alone.white)
         self._mimicked: dict[Fit, tuple[float, ...]] = {}
 
     def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects") -> None:
-        """Fit sets of effects, each set of names, gears and teeth once."""
+        """Fit sets of effects not fitted before, told apart by names, gears and teeth; of several starts of one set the best is kept."""
         new = [start for start in starts if label(start[0]) not in self.fits]
         best = min(fit.objective for fit in self.fits.values())
         worth, further = 0.5 * (self.alone.objective + best), base.objective - LITTLE * self.problem.detected
@@ -82,7 +81,7 @@ class Search:
         """
         effects, own = start
         starts = (base.point.unknown, self.problem.unknowns.neutral(base.point.unknown), *([] if own is None else [own]))
-        return min(starts, key=lambda unknown: self.problem.at(effects, unknown).objective)
+        return min(starts, key=lambda unknown: self.problem.left_at(effects, unknown))
 
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
         """Fit explanations again, see `again`; if the best with effects stays far off, it from scales as the model has them too."""
@@ -157,8 +156,8 @@ class Search:
         An effect of it contradicts its own cause, or is as strong as can be, or errors of our model imitate it.
         """
         for effect in fit.effects:
-            if effect.contradicts():
-                return f"{effect.describe()}: {effect.contradicts()}"
+            if why := effect.contradicts():
+                return f"{effect.describe()}: {why}"
         for effect in overdone(fit.effects, self.problem.campaign.setup):
             return f"{effect.describe()}: as strong as can be, so that something else is missing that looks like it"
         if fit not in self._mimicked:

@@ -13,3 +13,9 @@ STRAYED, LOST = 3.0, 5.0
 def beyond(moved: Array) -> Array:
     """Return how far nuisances have strayed, of any shape: 0 within `STRAYED` prior deviations, 1 where one is lost."""
     return np.maximum(np.abs(moved) - STRAYED, 0.0) / (LOST - STRAYED)
+
+
+def halves(moved: Array) -> tuple[Array, Array]:
+    """Return half the slope and half the curvature of the square of `beyond` over nuisances of any shape, both of that shape."""
+    strayed, steep = beyond(moved), 1.0 / (LOST - STRAYED)
+    return np.sign(moved) * strayed * steep, np.where(strayed > 0.0, steep**2, 0.0)

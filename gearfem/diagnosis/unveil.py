@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Sequence
 
 from gearfem.definition.setup import Member
@@ -11,7 +10,7 @@ from gearfem.diagnosis.approach import at_rest, tuned
 from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.shapes import bounded
+from gearfem.diagnosis.shapes import bounded, stands
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.verdict import gap_left
 from gearfem.effects.effect import Effect
@@ -32,7 +31,7 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
     problem, alone : Problem, Fit
         Whose scales may do the work of what is missing, so that derivatives there show nothing of it.
     candidates : sequence of Candidate
-        Effects that the records feel; those of all teeth are tried at several strengths.
+        Effects that the records feel; those of all teeth that can be scaled are tried at several strengths.
     progress : Progress
         Told after each effect.
 
@@ -45,20 +44,13 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         return []
     setup, neutral = problem.campaign.setup, problem.unknowns.neutral(alone.point.unknown)
     level = problem.settings(neutral)
-    jobs = list({(type(c.effect), c.effect.member): None for c in candidates if not hasattr(c.effect, "tooth")})
-
-    def left(effects: tuple[Effect, ...]) -> float:
-        try:
-            for effect in effects:
-                effect.check(setup)
-            return problem.at(effects, neutral).objective
-        except (InputError, SolveError):
-            return math.inf
+    whole = [c.effect for c in candidates if not hasattr(c.effect, "tooth") and not stands(c.effect)]
+    jobs = list({(type(effect), effect.member): None for effect in whole})
 
     def nearest(job: tuple[type[Effect], Member]) -> tuple[float, tuple[Effect, ...]]:
         example = job[0].example(setup, job[1])
         tried = [(bounded(example.scaled(strength, setup), setup),) for strength in STRENGTHS]
-        return min(((left(effects), effects) for effects in tried), key=lambda item: item[0])
+        return min(((problem.left_at(effects, neutral), effects) for effects in tried), key=lambda item: item[0])
 
     def approached(effects: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], Array]:
         try:
@@ -69,7 +61,7 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
             return effects, neutral
 
     words = "effects in the place of nuisances"
-    bare, found = left(()), []
+    bare, found = problem.left_at((), neutral), []
     for number, best in enumerate(side_by_side(nearest, jobs)):
         progress(words, number, len(jobs) + MOST)
         found.append(best)

@@ -10,7 +10,7 @@ import pytest
 from gearfem.diagnosis import choose, compare, rank, read_campaign
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.straying import beyond
+from gearfem.diagnosis.straying import beyond, halves
 from gearfem.diagnosis.unveil import unveiled
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.catalogue import catalogue
@@ -36,6 +36,15 @@ def veiled(tmp_path_factory: pytest.TempPathFactory) -> Comparison:
 
 def test_a_nuisance_costs_more_than_its_prior_from_three_deviations_on() -> None:
     assert beyond(np.array([0.0, -2.0, 3.0, -4.0, 5.0, 7.0])).tolist() == [0.0, 0.0, 0.0, 0.5, 1.0, 2.0]
+
+
+@pytest.mark.parametrize("moved", [0.0, 2.5, -3.7, 4.2, 6.0])
+def test_its_slope_and_curvature_are_those_of_what_it_costs(moved: float) -> None:
+    step = 1e-3
+    below, here, above = beyond(moved + step * np.array([-1.0, 0.0, 1.0])) ** 2
+    slope, bend = halves(np.array([moved]))
+    assert 2.0 * slope[0] == pytest.approx((above - below) / (2.0 * step), abs=1e-9)
+    assert 2.0 * bend[0] == pytest.approx((above - 2.0 * here + below) / step**2, abs=1e-6)
 
 
 @pytest.mark.parametrize(("moved", "levels"), [(2.9, 0.0), (4.0, 0.25), (-5.0, 1.0)])
