@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import math
 from collections.abc import Iterable, Mapping
 
 from gearfem.diagnosis.campaign import Campaign
@@ -21,7 +22,8 @@ from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, Record
 from gearfem.foundation.progress import Progress, quiet
 
-# What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed.
+# What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed, and that better than
+# nuisances alone would.
 OPEN, CLOSES = 2.0, 0.5
 # What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation; and where
 # nuisances stray, which foretell other records too then.
@@ -132,16 +134,17 @@ def _held(naming: Naming, proof: Proof, sound: bool) -> Naming:
     A gap that stays open there is not explained, and effects that do worse there than nuisances alone are no explanation; by far worse, if
     these do the work of an effect: index errors of all teeth, say, are as good as a runout.
     """
-    worse = proof.over_nuisances is not None and proof.over_nuisances < (WORSE if sound else FAR_WORSE)
-    if naming.verdict in ("explained", "partly_explained") and worse:
+    over = math.inf if proof.over_nuisances is None else proof.over_nuisances
+    if naming.verdict in ("explained", "partly_explained") and over < (WORSE if sound else FAR_WORSE):
         reason = f"On records held out, {naming.fit.effects[0].name} and what stands beside it leave more than nuisances alone."
         sentence, reasons = sentence_of("unexplained", naming.alone, naming.closed), (*naming.reasons, reason)
         return dataclasses.replace(naming, verdict="unexplained", fit=naming.alone, p_values=(), sentence=sentence, reasons=reasons)
-    open_gaps = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms and gap.closure < CLOSES]
+    far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms]
+    open_gaps = [gap for gap in far if gap.closure < CLOSES or over < WORSE]
     if naming.verdict != "explained" or not open_gaps:
         return naming
     files = ", ".join(gap.measurement.file for gap in open_gaps)
-    reason = f"A gap stays open on records held out ({files}): something else acts there."
+    reason = f"A gap stays open on records held out ({files}): something else acts there, or the effects are not quite these."
     sentence = sentence_of("partly_explained", naming.fit, naming.closed)
     return dataclasses.replace(naming, verdict="partly_explained", sentence=sentence, reasons=(*naming.reasons, reason))
 

@@ -22,6 +22,7 @@ from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.search import Search, stays, uneven, waves_of
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.verdict import _mirrored, closure
@@ -208,6 +209,22 @@ def test_a_name_that_does_worse_than_nuisances_where_nobody_looked_is_withdrawn(
     held = _held(found.naming, dataclasses.replace(found.proof, over_nuisances=share), stays)
     assert held.verdict == verdict
     assert bool(held.fit.effects) == (verdict == "explained")
+
+
+@pytest.mark.parametrize(("share", "floors", "verdict"), [(0.9, 3.0, "partly_explained"), (0.9, 1.0, "explained"), (1.1, 3.0, "explained")])
+def test_a_record_held_out_that_straying_nuisances_foretell_better_is_not_explained(
+    found: Diagnosis, share: float, floors: float, verdict: str
+) -> None:
+    """However much of its gap the named effects close, unless they bring it to its floor."""
+
+    def left(gap: Gap) -> Gap:
+        series = np.full(gap.after.shape, floors * gap.floor_rms)
+        return dataclasses.replace(gap, before=30.0 * series, after=series) if gap.role == "holdout" else gap
+
+    proof = dataclasses.replace(found.proof, over_nuisances=share, records=tuple(map(left, found.proof.records)))
+    held = _held(found.naming, proof, sound=False)
+    assert held.verdict == verdict
+    assert held.fit is found.naming.fit
 
 
 def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> None:
