@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import dataclasses
 import itertools
 from collections.abc import Sequence
@@ -42,8 +43,14 @@ def at_rest(
     if not slow:
         return effects, level
     part = part_of(problem, slow)
-    fits = [again(part, effects, part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge))) for edge in edges]
-    best = min(fits, key=lambda fit: fit.objective)
+    starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge)) for edge in edges]
+
+    def one(unknown: Array) -> Fit:
+        here = copy.copy(part)
+        return here.fit(effects, here.prepare(effects, unknown), fresh=True)
+
+    best = min(side_by_side(one, starts), key=lambda fit: fit.objective)
+    best = again(part, best.effects, best.point.unknown, best.objective)
     return best.effects, best.settings
 
 

@@ -19,9 +19,11 @@ Table = TypeVar("Table")
 Ints = NDArray[np.int64]
 
 BINS = 1024
-# A table takes 2 MB, a way or a coupling little: 0.4 GB at most.
+# A table takes 2 MB, a way or a coupling little: 0.4 GB at most. So much again for stacks, those of many different teeth left out.
 KEPT = 192
+STACKS_KEPT, TABLES_KEPT = 24, 8
 _memory: OrderedDict[Hashable, Any] = OrderedDict()
+_stacks: OrderedDict[Hashable, Stack] = OrderedDict()
 
 
 class Kind(NamedTuple):
@@ -64,7 +66,7 @@ class Stack:
         return (*own, self.partners, self.cknots, self.cbins, self.coupling)
 
 
-def make_stack(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbers: Ints) -> Stack:
+def stack_of(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbers: Ints) -> Stack:
     """Return the tables of some pairs, made where no earlier ones have the same content.
 
     Parameters
@@ -82,6 +84,16 @@ def make_stack(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbe
     -------
     Stack
     """
+    key = common, tuple(kinds), numbers.tobytes()
+    stack = _stacks.pop(key, None) or _made(mesh, common, kinds, numbers)
+    if len(stack.knots) <= TABLES_KEPT:
+        _stacks[key] = stack
+        if len(_stacks) > STACKS_KEPT:
+            _stacks.popitem(last=False)
+    return stack
+
+
+def _made(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbers: Ints) -> Stack:
     needed = {kinds[number]: int(number) for number in numbers[::-1]}
     order = {kind: place for place, kind in enumerate(needed)}
     found = {kind: _kept((common, kind), _table, mesh, common, kind, number) for kind, number in needed.items()}
