@@ -28,6 +28,8 @@ OPEN, CLOSES = 2.0, 0.5
 # What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation; and where
 # nuisances stray, which foretell other records too then.
 WORSE, FAR_WORSE = 0.97, 0.5
+# Standard errors by which they must do worse.
+SURE = 2.0
 # Most rounds in which derivatives are taken again; draws of noise behind each map.
 SETTLED, DRAWS = 3, 100
 
@@ -135,7 +137,8 @@ def _held(naming: Naming, proof: Proof, sound: bool) -> Naming:
     these do the work of an effect: index errors of all teeth, say, are as good as a runout.
     """
     over = math.inf if proof.over_nuisances is None else proof.over_nuisances
-    if naming.verdict in ("explained", "partly_explained") and over < (WORSE if sound else FAR_WORSE):
+    surely = proof.stderr is None or over + SURE * proof.stderr < 1.0
+    if naming.verdict in ("explained", "partly_explained") and over < (WORSE if sound else FAR_WORSE) and surely:
         reason = f"On records held out, {naming.fit.effects[0].name} and what stands beside it leave more than nuisances alone."
         sentence, reasons = sentence_of("unexplained", naming.alone, naming.closed), (*naming.reasons, reason)
         return dataclasses.replace(naming, verdict="unexplained", fit=naming.alone, p_values=(), sentence=sentence, reasons=reasons)

@@ -26,6 +26,9 @@ from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.sensing import Request, System, observe, requests
 
+# Blocks into which a record is cut to see how much what is left differs along it.
+BLOCKS = 10
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Gap(Record):
@@ -90,6 +93,8 @@ class Proof(Record):
     over_nuisances, over_smooth : float or None
         On hold-out records: what nuisances alone, and the smooth correction, leave over what the named effects leave; each in parts of
         the floor, root mean square over the records. None without hold-out records or effects.
+    stderr : float or None
+        Standard error of the first, from how much blocks of the records differ: what a model misses stays alike over many rows.
     stands : bool
         Whether the named effects beat both.
     reasons : tuple of str
@@ -99,6 +104,7 @@ class Proof(Record):
     records: tuple[Gap, ...]
     over_nuisances: float | None
     over_smooth: float | None
+    stderr: float | None
     stands: bool
     reasons: tuple[str, ...]
 
@@ -259,23 +265,35 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     held = [gap for gap in gaps if gap.role == "holdout"]
     if not held:
         words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named else ()
-        return Proof(records=gaps, over_nuisances=None, over_smooth=None, stands=False, reasons=words)
+        return Proof(records=gaps, over_nuisances=None, over_smooth=None, stderr=None, stands=False, reasons=words)
     if not named:
-        return Proof(records=gaps, over_nuisances=None, over_smooth=None, stands=False, reasons=())
+        return Proof(records=gaps, over_nuisances=None, over_smooth=None, stderr=None, stands=False, reasons=())
     after, alone = _pooled([(gap, gap.after) for gap in held]), _pooled([(gap, gap.nuisances_only) for gap in held])
     corrected = [gap for gap in held if gap.smooth.size]
     over_nuisances = alone / after
     over_smooth = _pooled([(g, g.smooth) for g in corrected]) / _pooled([(g, g.after) for g in corrected]) if corrected else None
+    stderr = _doubt(held) / (2.0 * after**2 * over_nuisances)
     stands = over_nuisances > 1.0 and (over_smooth is None or over_smooth > 1.0)
-    reasons = [_words("nuisances alone", over_nuisances)]
+    reasons = [_words("nuisances alone", over_nuisances), f"The standard error of this ratio is {stderr:.2f}."]
     if over_smooth is not None:
         reasons.append(_words("a free smooth correction", over_smooth))
-    return Proof(records=gaps, over_nuisances=over_nuisances, over_smooth=over_smooth, stands=stands, reasons=tuple(reasons))
+    return Proof(records=gaps, over_nuisances=over_nuisances, over_smooth=over_smooth, stderr=stderr, stands=stands, reasons=tuple(reasons))
 
 
 def _pooled(gaps: list[tuple[Gap, Array]]) -> float:
     """Return the root mean square over records of what is left, in parts of the floor of each."""
     return math.sqrt(sum((gap.rms(series) / gap.floor_rms) ** 2 for gap, series in gaps) / len(gaps))
+
+
+def _doubt(gaps: list[Gap]) -> float:
+    """Return the standard error of the pooled square that nuisances alone leave beyond what the named effects leave."""
+    errors = []
+    for gap in gaps:
+        keep = gap.measurement.keep
+        beyond = (gap.nuisances_only[keep] ** 2 - gap.after[keep] ** 2) / gap.floor_rms**2
+        blocks = [float(part.mean()) for part in np.array_split(beyond, min(BLOCKS, beyond.size))]
+        errors.append(float(np.std(blocks, ddof=1)) / math.sqrt(len(blocks)) if len(blocks) > 1 else 0.0)
+    return math.hypot(*errors) / len(gaps)
 
 
 def _words(other: str, ratio: float) -> str:

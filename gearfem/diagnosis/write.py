@@ -68,7 +68,12 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         ],
         "gap_significance": {"p_value": diagnosis.before.p_value, "sentence": diagnosis.before.sentence},
         "gap": [_gap(gap) for gap in proof.records],
-        "holdout": {"over_nuisances": proof.over_nuisances, "over_smooth": proof.over_smooth, "stands": proof.stands},
+        "holdout": {
+            "over_nuisances": proof.over_nuisances,
+            "over_nuisances_stderr": proof.stderr,
+            "over_smooth": proof.over_smooth,
+            "stands": proof.stands,
+        },
         "nuisances": nuisance_rows(diagnosis),
         "suggestion": diagnosis.suggestions[0].sentence if diagnosis.suggestions else None,
         "suggestions": [{"measure": one.words, "separation": one.separation, "cost": one.cost} for one in diagnosis.suggestions[:3]],

@@ -22,7 +22,7 @@ from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.prove import Gap
+from gearfem.diagnosis.prove import Gap, _doubt
 from gearfem.diagnosis.search import Search, stays, uneven, waves_of
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.verdict import _mirrored, closure
@@ -199,14 +199,20 @@ def test_how_far_a_shape_may_be_wrong_imitates_another_effect_and_not_its_own(fo
 
 
 @pytest.mark.parametrize(
-    ("share", "stays", "verdict"),
-    [(0.9, True, "unexplained"), (0.9, False, "explained"), (0.4, False, "unexplained"), (1.0, True, "explained")],
+    ("share", "doubt", "stays", "verdict"),
+    [
+        (0.9, 0.04, True, "unexplained"),
+        (0.9, 0.06, True, "explained"),
+        (0.9, 0.04, False, "explained"),
+        (0.4, 0.04, False, "unexplained"),
+        (1.0, 0.0, True, "explained"),
+    ],
 )
 def test_a_name_that_does_worse_than_nuisances_where_nobody_looked_is_withdrawn(
-    found: Diagnosis, share: float, stays: bool, verdict: str
+    found: Diagnosis, share: float, doubt: float, stays: bool, verdict: str
 ) -> None:
-    """By far worse, where these stray so far that they do the work of an effect themselves."""
-    held = _held(found.naming, dataclasses.replace(found.proof, over_nuisances=share), stays)
+    """By two standard errors; and by far worse, where these stray so far that they do the work of an effect themselves."""
+    held = _held(found.naming, dataclasses.replace(found.proof, over_nuisances=share, stderr=doubt), stays)
     assert held.verdict == verdict
     assert bool(held.fit.effects) == (verdict == "explained")
 
@@ -225,6 +231,26 @@ def test_a_record_held_out_that_straying_nuisances_foretell_better_is_not_explai
     held = _held(found.naming, proof, sound=False)
     assert held.verdict == verdict
     assert held.fit is found.naming.fit
+
+
+def test_what_one_place_of_a_record_tells_is_doubted_more_than_what_all_of_it_tells(found: Diagnosis) -> None:
+    """The same mean square lost evenly, or in one tenth of each record."""
+    held = [gap for gap in found.proof.records if gap.role == "holdout"]
+
+    def doubt(share: float) -> float:
+        gaps = []
+        for gap in held:
+            keep, after = np.flatnonzero(gap.measurement.keep), np.zeros(gap.after.shape)
+            after[keep[: round(share * keep.size)]] = gap.floor_rms / math.sqrt(share)
+            gaps.append(dataclasses.replace(gap, nuisances_only=np.zeros(gap.after.shape), after=after))
+        return _doubt(gaps)
+
+    assert doubt(1.0) == pytest.approx(0.0, abs=1e-12)
+    # Ten blocks, one of which holds ten times the mean: a standard error as large as the mean itself.
+    assert doubt(0.1) == pytest.approx(1.0 / math.sqrt(len(held)), rel=0.05, abs=0.0)
+    assert found.proof.stderr is not None
+    assert found.proof.over_nuisances is not None
+    assert found.proof.over_nuisances - 2.0 * found.proof.stderr > 1.0
 
 
 def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> None:
