@@ -185,15 +185,20 @@ def read_campaign(path: str | Path) -> Campaign:
     for record, decision in zip(records, decisions, strict=True):
         if decision:
             remarks.append(Fault(record=record.file, kind="role", rows=(), sentence=decision))
-    return Campaign(
+    campaign = Campaign(
         name=table.name or path.stem,
         path=str(path),
         model=str(model),
         setup=setup,
         angle_known=table.angle_zero == "pitch_point",
         records=tuple(dataclasses.replace(record, role=role) for record, role in zip(records, roles, strict=True)),
-        remarks=tuple(remarks),
+        remarks=(),
     )
+    for record in campaign.of("fit"):
+        if record not in campaign.fitted:
+            idle = "no part in the fit, since its first tooth is unknown: that is sought when the verdict is proven"
+            remarks.append(Fault(record=record.file, kind="role", rows=(), sentence=idle))
+    return dataclasses.replace(campaign, remarks=tuple(remarks))
 
 
 def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Measurement, list[Fault]]:

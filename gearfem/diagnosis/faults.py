@@ -22,6 +22,8 @@ MISSING = 1.75
 SAMPLES_PER_PITCH = 6.0
 # One sample in a hundred is no longer isolated.
 MOST_SPIKES = 0.01
+# Outliers lie outside of all but this share of the rows at either end by so many times the range of the others.
+OUTER, OUTLIER = 0.01, 20.0
 COPY = 1e-9
 
 
@@ -81,7 +83,7 @@ def find_faults(file: str, quantity: Quantity, series: Series, pair: GearPair, g
         return keep, []
     _check_order(series, quantity)
     if quantity.axis == "tooth":
-        _check_teeth(series)
+        _check_teeth(series, quantity, gear)
         return keep, []
     if quantity.axis == "roll":
         _check_roll(series, gear)
@@ -98,7 +100,19 @@ def find_faults(file: str, quantity: Quantity, series: Series, pair: GearPair, g
         keep[spikes] = False
         rows = tuple(int(row) for row in spikes)
         faults.append(Fault(record=file, kind="spike", rows=rows, sentence=f"isolated spikes masked: {rows_text(series, spikes)}"))
+    _refuse_outliers(series, quantity, keep)
     return keep, faults
+
+
+def _refuse_outliers(series: Series, quantity: Quantity, keep: NDArray[Any]) -> None:
+    """Refuse rows that stand as far outside of all others as no flank can be: marks for missing values, say."""
+    low, high = np.quantile(series.value[keep], [OUTER, 1.0 - OUTER])
+    reach = OUTLIER * float(high - low)
+    rows = np.flatnonzero(keep & ((series.value < low - reach) | (series.value > high + reach)))
+    if reach > 0.0 and len(rows):
+        row, column = int(rows[0]), quantity.columns[1]
+        found = f"{series.value[row]:g} ({len(rows)} such rows: {rows_text(series, rows)})"
+        raise InputError(f"{series.row(row)}, column {column}", found, f"values near those of the other rows, {low:.4g} to {high:.4g}")
 
 
 def refuse_duplicates(records: list[tuple[str, Array, Array]]) -> None:
@@ -257,11 +271,15 @@ def _check_speed(series: Series, quantity: Quantity) -> None:
         raise InputError(f"column {quantity.columns[1]}", found, "largest Kw of each speed, about 1 or above (a factor, not per cent)")
 
 
-def _check_teeth(series: Series) -> None:
+def _check_teeth(series: Series, quantity: Quantity, gear: Gear) -> None:
     odd = np.flatnonzero((series.axis != np.round(series.axis)) | (series.axis < 0.0))
     if len(odd):
         row = int(odd[0])
         raise InputError(f"{series.row(row)}, column tooth", f"{series.axis[row]:g}", "whole numbers from 0")
+    span, most = float(np.ptp(series.value)), gear.module / UM
+    if span > most:
+        found = f"values over {span:.4g} um"
+        raise InputError(f"column {quantity.columns[1]}", found, f"a range up to the module, {most:g} um (micrometres, not nanometres?)")
 
 
 def _check_roll(series: Series, gear: Gear) -> None:

@@ -235,6 +235,6 @@ def _place_words(one: Map, cell: int) -> str:
 
 def _sentence(gap: bool, p_value: float, where: tuple[Place, ...]) -> str:
     if not gap:
-        return f"No gap: noise, nuisances and the errors of the model leave cells as large in {p_value:.0%} of the draws."
+        return f"No cell stands out: noise, nuisances and the errors of the model leave one as large in {p_value:.0%} of the draws."
     first = f" Most of all, in {where[0].sentence}." if where else ""
-    return f"There is a gap: noise, nuisances and the errors of the model leave no cell as large in 1 % of the draws.{first}"
+    return f"Cells stand out: noise, nuisances and the errors of the model leave one as large in less than 1 % of the draws.{first}"

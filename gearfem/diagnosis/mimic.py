@@ -37,7 +37,7 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     vectors = np.column_stack([*responses, form, problem.scales])
     gram, _ = problem.linear.first(count).weighed(point.weights).measure(vectors, point.residual)
     size, outer = len(responses), problem.outer
-    gram[-outer:, -outer:] += np.eye(outer)
+    gram[len(gram) - outer :, len(gram) - outer :] += np.eye(outer)
     found = []
     for own in range(size):
         others = [place for place in (*range(size), *range(len(gram) - outer, len(gram))) if place != own]

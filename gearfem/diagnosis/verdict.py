@@ -14,7 +14,8 @@ from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Label, Search, label, uneven, waves_of
 from gearfem.diagnosis.straying import LOST, STRAYED
-from gearfem.effects.effect import Effect
+from gearfem.diagnosis.variants import VARIANTS
+from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, Record
 
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
@@ -44,7 +45,7 @@ class Rival(Record):
     effects : tuple of Effect
         As fitted.
     score_difference : float
-        By how much its score is worse.
+        By how much its score is worse than that of what is named, or of nuisances alone.
     why : str
         Why it lost, or that it did not.
     near : bool
@@ -76,7 +77,7 @@ class Naming(Record):
     closed : float
         Share of the gap that the best explanation closes.
     rivals : tuple of Rival
-        Other explanations that were fitted, best first.
+        Other explanations that were fitted, best first; where nothing is named, all of them, beside nuisances alone.
     identifiable : tuple of Identifiability
         What these records can show of each effect.
     threshold : float
@@ -116,12 +117,11 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     # Only those that come near are worth the question.
     barred = {fit: search.barred(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
-    astray = _astray(search)
+    astray = (*_astray(search), *_turning(search.problem, alone), *_misshapen(search.problem, alone))
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
     if not best.effects or gained < search.problem.detected:
-        sound = level < 1.0 and not astray and not _turns(search.problem, alone) and not _misshapen(search.problem, alone)
-        verdict: Verdict = "no_discrepancy" if sound else "unexplained"
-    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turns(search.problem, best):
+        verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
+    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turning(search.problem, best):
         verdict = "unexplained"
     elif close:
         verdict = "ambiguous"
@@ -133,16 +133,17 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
+    named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
+    others = [(fit, scores[fit] - scores[named]) for fit in ranked if fit is not named]
     rivals = tuple(
         Rival(
             effects=fit.effects,
             score_difference=worse,
-            why=barred.get(fit) or _why(fit, best, worse, limit(fit)),
-            near=worse < limit(fit) and not barred.get(fit),
+            why=barred.get(fit) or (_why(fit, named, worse, limit(fit)) if named.effects else _why_none(-worse, search.problem.detected)),
+            near=bool(named.effects) and worse < limit(fit) and not barred.get(fit),
         )
-        for fit, worse in ((fit, scores[fit] - scores[best]) for fit in ranked if fit is not best)
+        for fit, worse in others
     )
-    named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
     return Naming(
         verdict=verdict,
         fit=named,
@@ -183,19 +184,24 @@ def _astray(search: Search) -> list[tuple[str, float]]:
     """
     problem, alone = search.problem, search.alone
     moved = alone.point.unknown[: problem.outer]
-    deviation = problem.whole.weighed(alone.point.weights).deviations[-problem.outer :]
+    deviations = problem.whole.weighed(alone.point.weights).deviations
+    deviation = deviations[len(deviations) - problem.outer :]
     insists = (np.abs(moved) - STRAYED) ** 2 > search.problem.detected * deviation**2
     return [(problem.nuisances[at].words, float(moved[at])) for at in problem.unknowns.scales if insists[at] and abs(moved[at]) >= ASTRAY]
 
 
-def _turns(problem: Problem, fit: Fit) -> bool:
-    """Return whether the index errors of a fit hold waves once to three times a turn that no teeth have by chance."""
-    return bool(uneven(problem, fit)[1].max() > LOST)
+def _turning(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
+    """Return the gears on which index errors of a fit hold waves once to three times a turn that no teeth have by chance."""
+    waves = zip(MEMBERS, uneven(problem, fit)[1], strict=True)
+    return [(f"a wave of the index errors of the {gear}", float(size)) for gear, size in waves if size > LOST]
 
 
-def _misshapen(problem: Problem, fit: Fit) -> bool:
-    """Return whether an error of our model in a fit, as a form common to all teeth, is too large to be one."""
-    return bool(np.abs(fit.point.unknown[problem.unknowns.first_form :]).max(initial=0.0) > LOST)
+def _misshapen(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
+    """Return the errors of our model in a fit, variants and forms common to all teeth, that are too large to be any."""
+    moved = fit.point.unknown[problem.unknowns.first_form :]
+    words = [f"error of the model, {variant.words}," for variant in VARIANTS]
+    words += ["a form common to all teeth"] * (len(moved) - len(words))
+    return [(word, float(one)) for word, one in zip(words, moved, strict=True) if abs(one) > LOST]
 
 
 def _within_reason(fit: Fit, problem: Problem) -> Array:
@@ -262,12 +268,19 @@ def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
     return f"leaves more of the gap: score worse by {difference:.1f}"
 
 
+def _why_none(gained: float, needed: float) -> str:
+    """Return why an explanation is none where nothing is named."""
+    if gained < needed:
+        return f"gains {gained:.0f} over nuisances alone; a name needs {needed:.0f}"
+    return f"gains {gained:.0f} over nuisances alone, but leaves a gap too wide for a name"
+
+
 def sentence_of(verdict: Verdict, fit: Fit, closed: float) -> str:
     """Return a verdict in words: the effects of a fit, and the share of the gap that it closes."""
     words = "; ".join(effect.describe() for effect in fit.effects)
     return {
         "no_discrepancy": "Model and measurement agree within noise, the scatter of single teeth and the errors of our own model.",
-        "unexplained": "There is a gap that no effect of the catalogue, alone or with others, closes: none is named.",
+        "unexplained": "Something is missing that no effect of the catalogue, alone or with others, stands for: none is named.",
         "ambiguous": f"{words}; but other explanations fit these data as well.",
         "explained": f"{words}: this closes {100.0 * closed:.0f} % of the gap.",
         "partly_explained": f"{words}: this closes {100.0 * closed:.0f} % of the gap, and a significant rest remains.",

@@ -85,6 +85,40 @@ def found(campaign: Path) -> Diagnosis:
     return diagnose(read_campaign(campaign), choose(catalogue(), ["tip_relief"]))
 
 
+def runout_off_the_rig(folder: Path, eccentricity: float) -> Path:
+    """Write a campaign of one gear without its mate: its runout twice, with noise and scatter of its teeth [um]."""
+    random = np.random.default_rng(11)
+    write_toml(folder / "nominal.toml", NOMINAL)
+    for name in ("fit", "holdout"):
+        teeth = np.arange(34)
+        values = eccentricity * np.cos(2.0 * math.pi * teeth / 17.0 - 1.0) + random.normal(scale=1.0, size=34)
+        rows = "".join(f"{tooth},{value:.3f}\n" for tooth, value in zip(teeth, values, strict=True))
+        (folder / f"{name}.csv").write_text("tooth,radial_deviation_um\n" + rows)
+    records = [{"file": f"{role}.csv", "quantity": "radial_runout", "gear": "wheel", "role": role} for role in ("fit", "holdout")]
+    write_toml(folder / "campaign.toml", {"model": "nominal.toml", "angle_zero": "unknown", "record": records})
+    return folder / "campaign.toml"
+
+
+@pytest.mark.parametrize(("eccentricity", "named"), [(25.0, ["runout"]), (0.0, [])])
+def test_a_gear_off_the_rig_is_diagnosed_by_itself(tmp_path: Path, eccentricity: float, named: list[str]) -> None:
+    """No load, no motion: no nuisance of either has a part in it."""
+    found = diagnose(
+        read_campaign(runout_off_the_rig(tmp_path, eccentricity)), choose(catalogue(), ["runout", "pitch_error", "tip_relief"])
+    )
+    assert found.problem.outer == 0
+    assert [effect.name for effect in found.naming.fit.effects] == named
+    if named:
+        (runout,) = found.naming.fit.effects
+        assert isinstance(runout, Runout)
+        assert runout.gear == "wheel"
+        assert runout.eccentricity == pytest.approx(eccentricity * UM, rel=0.05, abs=0.0)
+    else:
+        assert found.naming.verdict == "no_discrepancy"
+        assert not any(rival.near for rival in found.naming.rivals)
+    write_diagnosis(found, tmp_path / "out")
+    assert json.loads((tmp_path / "out" / "diagnosis.json").read_text())["verdict"] == found.naming.verdict
+
+
 def test_how_the_gears_are_built_is_found_and_taken_for_no_effect(tmp_path: Path) -> None:
     """Sharp tip edges and neighbours that feel half as much leave as much as micrometres of relief would."""
     built = {"coupling_scale": 0.5, "tip_edge_scale": 0.25}

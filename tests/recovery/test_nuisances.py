@@ -191,7 +191,7 @@ def test_a_gap_of_one_tooth_is_found_there() -> None:
     found = localise(compare(campaign(1, {60.0: ripple, 150.0: ripple}), SCATTER, lambda _: SPRINGS), draws=120)
     teeth = [place.zone for place in found.where if place.domain == "tooth" and place.zone.startswith("pinion")]
     assert teeth[0] == "pinion:5"
-    assert found.sentence.startswith("There is a gap")
+    assert found.sentence.startswith("Cells stand out")
 
 
 def test_columns_of_teeth_are_derivatives() -> None:

@@ -152,9 +152,15 @@ def wheel_angle(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.nd
     return angle * 23.0 / 41.0, 10.0 * (np.sin(46.0 * angle / 2.0) > 0.3) + 0.01 * value
 
 
+def missing_marks(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    value[500:504] = -9999.0
+    return angle, value
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        (broken(missing_marks), ("row 501 (line 503), column transmission_error_um", "-9999 (4 such rows", "near those of the other rows")),
         (broken(swapped), ("row 902 (line 904), column pinion_angle_rad", "above that of the row before")),
         (broken(lambda x, y: (np.delete(x, slice(400, 440)), np.delete(y, slice(400, 440)))), ("row 401", "a gap of")),
         (broken(lambda x, y: (np.degrees(x), y)), ("column pinion_angle_rad", "degrees")),
@@ -217,6 +223,23 @@ def test_a_flank_may_have_gaps_but_not_metres(campaign: Callable[..., Campaign])
     assert read.records[0].keep.all()
     with pytest.raises(InputError, match="roll lengths from the base circle"):
         campaign(flank, a=table(roll / 1e3, 0.0 * roll, "roll_length_mm,deviation_um"))
+
+
+def test_runout_wider_than_the_module_is_refused(campaign: Callable[..., Campaign]) -> None:
+    runout = 'file = "a.csv"\nquantity = "radial_runout"\ngear = "wheel"'
+    teeth = np.arange(41.0)
+    value, head = 20.0 * np.cos(2.0 * np.pi * teeth / 41.0), "tooth,radial_deviation_um"
+    assert campaign(runout, a=table(teeth, value, head)).records[0].keep.all()
+    with pytest.raises(InputError, match=r"column radial_deviation_um.*range up to the module"):
+        campaign(runout, a=table(teeth, 1e3 * value, head))
+
+
+def test_a_record_whose_first_tooth_is_unknown_has_no_part_in_the_fit_and_says_so(campaign: Callable[..., Campaign]) -> None:
+    runout = 'file = "a.csv"\nquantity = "radial_runout"\ngear = "wheel"\ntooth_zero = "unknown"\nrole = "fit"'
+    teeth = np.arange(41.0)
+    read = campaign(static("b", 60.0), runout, b=te(1, 60.0), a=table(teeth, np.cos(teeth), "tooth,radial_deviation_um"))
+    assert [record.file for record in read.fitted] == ["b.csv"]
+    assert [remark.record for remark in read.remarks if "no part in the fit" in remark.sentence] == ["a.csv"]
 
 
 @pytest.mark.parametrize("power", [-3, -1, 1, 3])
