@@ -61,6 +61,9 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     search, where these stay within reason and no candidate promises much, or else where no single effect keeps what it promised. Leads
     need solid elements: the misalignment among the errors of the model has computed them before the work is shared out.
     """
+    if problem.effects:
+        # Whoever has fitted effects of his own before has left it prepared there.
+        problem.prepare((), alone.point.unknown)
     search = Search(problem, alone)
     first = rank(problem, alone, kinds, progress)
     shown = identify(problem, alone, first)

@@ -274,7 +274,7 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     over_smooth = _pooled([(g, g.smooth) for g in corrected]) / _pooled([(g, g.after) for g in corrected]) if corrected else None
     stderr = _doubt(held) / (2.0 * after**2 * over_nuisances)
     stands = over_nuisances > 1.0 and (over_smooth is None or over_smooth > 1.0)
-    reasons = [_words("nuisances alone", over_nuisances), f"The standard error of this ratio is {stderr:.2f}."]
+    reasons = [f"{_words('nuisances alone', over_nuisances)} The standard error of this ratio is {stderr:.2f}."]
     if over_smooth is not None:
         reasons.append(_words("a free smooth correction", over_smooth))
     return Proof(records=gaps, over_nuisances=over_nuisances, over_smooth=over_smooth, stderr=stderr, stands=stands, reasons=tuple(reasons))

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
 
+# Items of a tuple that a record shows when it is printed.
+MOST_SHOWN = 6
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Record:
@@ -30,6 +33,24 @@ class Record:
                     value = value.copy()
                     value.flags.writeable = False
                     object.__setattr__(self, field.name, value)
+
+    def __str__(self) -> str:
+        """Return the fields in brief, a line each: of arrays shape and range, of other records their sentence or name."""
+        return "\n".join(
+            [type(self).__name__, *(f"  {field.name}: {_brief(getattr(self, field.name))}" for field in dataclasses.fields(self))]
+        )
+
+
+def _brief(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        numbers = value.size and value.dtype.kind in "iuf"
+        return f"array {value.shape}" + (f", {value.min():.4g} to {value.max():.4g}" if numbers else "")
+    if isinstance(value, Record):
+        return str(getattr(value, "sentence", "")) or type(value).__name__
+    if isinstance(value, (tuple, list)):
+        shown = [_brief(item) for item in value[:MOST_SHOWN]]
+        return f"{len(value)}: " + "; ".join([*shown, *(["..."] if len(value) > len(shown) else [])]) if value else "none"
+    return f"{value:.6g}" if isinstance(value, float) else str(value) if isinstance(value, (str, int, bool)) else type(value).__name__
 
 
 def digest(value: Any) -> str:

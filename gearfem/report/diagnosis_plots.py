@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.diagnose import Diagnosis
@@ -116,7 +117,8 @@ def plot_records(diagnosis: Diagnosis) -> Figure | None:
     for axis, gap in zip(axes, gaps, strict=False):
         record = gap.measurement
         place = (record.axis + diagnosis.naming.fit.settings.angle_offset) / pitch
-        shown = (place >= np.ceil(place[0])) & (place <= np.ceil(place[0]) + ONE_RECORD) & record.keep
+        place = place - np.ceil(place[0])
+        shown = (place >= 0.0) & (place <= ONE_RECORD) & record.keep
         axis.plot(place[shown], gap.nuisances_only[shown] * record.to_file, color=style.ORANGE, linewidth=1.0, label="nuisances alone")
         axis.plot(place[shown], gap.after[shown] * record.to_file, color=style.BLUE, linewidth=1.0, label="with what is named")
         axis.axhspan(-gap.floor_rms * record.to_file, gap.floor_rms * record.to_file, color=style.SHADE, zorder=0, label="floor")
@@ -126,7 +128,7 @@ def plot_records(diagnosis: Diagnosis) -> Figure | None:
     for axis in axes[len(gaps) :]:
         axis.set_visible(False)
     for axis in axes[-2:]:
-        axis.set_xlabel("pinion angle, pitches")
+        axis.set_xlabel("pinion angle from the first whole pitch of the record on, pitches")
     style.legend_below(figure, axes[0])
     return figure
 
@@ -153,7 +155,9 @@ def plot_gap(diagnosis: Diagnosis) -> Figure | None:
     axes[0].set_yticks([-number for number in range(len(gaps))], [_name(gap.measurement.file, gap.role == "holdout") for gap in gaps])
     axes[0].set_ylim(0.6 - len(gaps), 0.4)
     axes[0].set_xlabel("root mean square of what is left, in parts of the floor")
-    axes[0].xaxis.set_major_formatter("{x:g}")
+    axes[0].xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+    for set_formatter in (axes[0].xaxis.set_major_formatter, axes[0].xaxis.set_minor_formatter):
+        set_formatter("{x:g}")
     style.legend_below(figure, axes[0], columns=5)
     return figure
 
