@@ -32,7 +32,7 @@ def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
     Parameters
     ----------
     campaign : Campaign
-        Of records held out nothing but this is looked at.
+        Only records of role "fit" are looked at.
     bench : Bench
         The model.
 
@@ -42,7 +42,7 @@ def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
         Naming the record, its column or key, and the power of ten or the speed that would fit.
     """
     for number, record in enumerate(campaign.records, 1):
-        if record.quantity.axis != "angle":
+        if record.role != "fit" or record.quantity.axis != "angle":
             continue
         # A wrong speed changes the size of accelerations by its square: it is asked about first.
         if record.quantity.moving:
