@@ -2,36 +2,29 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import difflib
-import math
 from collections.abc import Iterable, Mapping
 
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
-from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.held_out import as_held_out_leaves
 from gearfem.diagnosis.localise import Localisation, localise
 from gearfem.diagnosis.name import name
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.prove import Proof, prove
 from gearfem.diagnosis.search import stays
 from gearfem.diagnosis.suggest import Suggestion, suggest
-from gearfem.diagnosis.verdict import Naming, Rival, sentence_of
+from gearfem.diagnosis.verdict import Naming, Rival
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, Record
 from gearfem.foundation.progress import Progress, quiet
 
-# What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed, and that better than
-# nuisances alone would.
-OPEN, CLOSES = 2.0, 0.5
-# What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation; and where
-# nuisances stray, which foretell other records too then.
-WORSE, FAR_WORSE = 0.97, 0.5
-# Standard errors by which they must do worse.
-SURE = 2.0
-# Most rounds in which derivatives are taken again; draws of noise behind each map.
-SETTLED, DRAWS = 3, 100
+# Draws of noise behind each map.
+DRAWS = 100
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -121,35 +114,13 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     naming = name(problem, alone, kinds, progress)
     after = localise(comparison, naming.fit, DRAWS, progress=progress) if naming.fit.effects else before
     proof = prove(problem, naming.fit, naming.alone, progress)
-    held = _held(naming, proof, stays(problem, naming.alone))
+    held = as_held_out_leaves(naming, proof, stays(problem, naming.alone))
     if held.fit is not naming.fit:
         after, proof = before, prove(problem, held.fit, held.alone, progress)
     naming = held
     draft = Diagnosis(comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=())
     rivals = [rival.effects for rival in draft.alternatives]
     return dataclasses.replace(draft, suggestions=suggest(problem, naming.fit, rivals, progress)) if rivals else draft
-
-
-def _held(naming: Naming, proof: Proof, sound: bool) -> Naming:
-    """Return the verdict as the records held out leave it.
-
-    A gap that stays open there is not explained, and effects that do worse there than nuisances alone are no explanation; by far worse, if
-    these do the work of an effect: index errors of all teeth, say, are as good as a runout.
-    """
-    over = math.inf if proof.over_nuisances is None else proof.over_nuisances
-    surely = proof.stderr is None or over + SURE * proof.stderr < 1.0
-    if naming.verdict in ("explained", "partly_explained") and over < (WORSE if sound else FAR_WORSE) and surely:
-        reason = f"On records held out, {naming.fit.effects[0].name} and what stands beside it leave more than nuisances alone."
-        sentence, reasons = sentence_of("unexplained", naming.alone, naming.closed), (*naming.reasons, reason)
-        return dataclasses.replace(naming, verdict="unexplained", fit=naming.alone, p_values=(), sentence=sentence, reasons=reasons)
-    far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms]
-    open_gaps = [gap for gap in far if gap.closure < CLOSES or over < WORSE]
-    if naming.verdict != "explained" or not open_gaps:
-        return naming
-    files = ", ".join(gap.measurement.file for gap in open_gaps)
-    reason = f"A gap stays open on records held out ({files}): something else acts there, or the effects are not quite these."
-    sentence = sentence_of("partly_explained", naming.fit, naming.closed)
-    return dataclasses.replace(naming, verdict="partly_explained", sentence=sentence, reasons=(*naming.reasons, reason))
 
 
 def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude: Iterable[str] = ()) -> Mapping[str, type[Effect]]:
@@ -181,22 +152,16 @@ def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude:
 
 
 def settle(problem: Problem, fit: Fit) -> Fit:
-    """Return a fit whose linear nuisances have been taken again where it ended, until that changes nothing any more.
+    """Return a fit prepared anew where it ended until that gains little, see `again`.
 
     Parameters
     ----------
     problem : Problem
-        Prepared at the fit afterwards.
+        Stays prepared as it is.
     fit : Fit
         Effects and nuisances as found with derivatives from elsewhere.
     """
-    best = problem.fit(fit.effects, problem.prepare(fit.effects, fit.point.unknown))
-    for _ in range(SETTLED - 1):
-        ahead = problem.fit(best.effects, problem.prepare(best.effects, best.point.unknown))
-        gained, best = best.objective - ahead.objective, min(best, ahead, key=lambda one: one.objective)
-        if gained < 1.0 + 1e-3 * best.objective:
-            break
-    return best
+    return again(copy.copy(problem), fit.effects, fit.point.unknown)
 
 
 def fit(problem: Problem, effects: Iterable[Effect], start: Fit) -> Fit:

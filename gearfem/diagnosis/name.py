@@ -62,7 +62,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     need solid elements: the misalignment among the errors of the model has computed them before the work is shared out.
     """
     if problem.effects:
-        # Whoever has fitted effects of his own before has left it prepared there.
+        # A search before has left it prepared at what that named.
         problem.prepare((), alone.point.unknown)
     search = Search(problem, alone)
     first = rank(problem, alone, kinds, progress)
@@ -76,19 +76,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
-    for count in range(1, MOST):
-        # The best so many, though a pair may have been found already: each is a place to go on from.
-        best = search.best(count)
-        if len(best.effects) != count or search.gained(best) < HOPELESS * search.problem.detected:
-            break
-        problem.prepare(best.effects, best.point.unknown)
-        named = label(best.effects)
-        again = [c for c in rank_again(problem, best, first, progress) if c.gain > PROMISING and label((c.effect,))[0] not in named]
-        setup = problem.campaign.setup
-        starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in _of_each_way(_apart(again))]
-        search.fit(starts, best, progress, "further effects")
-        ahead = [fit for fit in search.first(len(search.fits)) if len(fit.effects) == count + 1]
-        search.settle(ahead[:FURTHER_SETTLED], progress, "these again")
+    _further(search, first, progress)
     _eliminate(search)
     _twins(search, first, progress)
     best = search.best()
@@ -106,6 +94,23 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     if naming.best is not best:
         problem.prepare(naming.best.effects, naming.best.point.unknown)
     return naming
+
+
+def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> None:
+    """Fit further effects beside the best so many, as long as these gain enough to build on."""
+    problem, setup = search.problem, search.problem.campaign.setup
+    for count in range(1, MOST):
+        # The best so many, though a pair may have been found already: each is a place to go on from.
+        best = search.best(count)
+        if len(best.effects) != count or search.gained(best) < HOPELESS * search.problem.detected:
+            break
+        problem.prepare(best.effects, best.point.unknown)
+        named = label(best.effects)
+        again = [c for c in rank_again(problem, best, candidates, progress) if c.gain > PROMISING and label((c.effect,))[0] not in named]
+        starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in _of_each_way(_apart(again))]
+        search.fit(starts, best, progress, "further effects")
+        ahead = [fit for fit in search.first(len(search.fits)) if len(fit.effects) == count + 1]
+        search.settle(ahead[:FURTHER_SETTLED], progress, "these again")
 
 
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:

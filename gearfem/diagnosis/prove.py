@@ -263,11 +263,9 @@ def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, 
 
 def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     held = [gap for gap in gaps if gap.role == "holdout"]
-    if not held:
+    if not held or not named:
         words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named else ()
         return Proof(records=gaps, over_nuisances=None, over_smooth=None, stderr=None, stands=False, reasons=words)
-    if not named:
-        return Proof(records=gaps, over_nuisances=None, over_smooth=None, stderr=None, stands=False, reasons=())
     after, alone = _pooled([(gap, gap.after) for gap in held]), _pooled([(gap, gap.nuisances_only) for gap in held])
     corrected = [gap for gap in held if gap.smooth.size]
     over_nuisances = alone / after

@@ -19,11 +19,9 @@ Table = TypeVar("Table")
 Ints = NDArray[np.int64]
 
 BINS = 1024
-# A table takes 2 MB, a way or a coupling little: 0.4 GB at most. So much again for stacks, those of many different teeth left out.
+# A table takes 2 MB, a way or a coupling little: 0.4 GB at most.
 KEPT = 192
-STACKS_KEPT, TABLES_KEPT = 24, 8
 _memory: OrderedDict[Hashable, Any] = OrderedDict()
-_stacks: OrderedDict[Hashable, Stack] = OrderedDict()
 
 
 class Kind(NamedTuple):
@@ -66,7 +64,7 @@ class Stack:
         return (*own, self.partners, self.cknots, self.cbins, self.coupling)
 
 
-def stack_of(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbers: Ints) -> Stack:
+def make_stack(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbers: Ints) -> Stack:
     """Return the tables of some pairs, made where no earlier ones have the same content.
 
     Parameters
@@ -84,16 +82,6 @@ def stack_of(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbers
     -------
     Stack
     """
-    key = common, tuple(kinds), numbers.tobytes()
-    stack = _stacks.pop(key, None) or _made(mesh, common, kinds, numbers)
-    if len(stack.knots) <= TABLES_KEPT:
-        _stacks[key] = stack
-        if len(_stacks) > STACKS_KEPT:
-            _stacks.popitem(last=False)
-    return stack
-
-
-def _made(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbers: Ints) -> Stack:
     needed = {kinds[number]: int(number) for number in numbers[::-1]}
     order = {kind: place for place, kind in enumerate(needed)}
     found = {kind: _kept((common, kind), _table, mesh, common, kind, number) for kind, number in needed.items()}

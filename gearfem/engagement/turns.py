@@ -13,7 +13,7 @@ from gearfem.definition.setup import Member
 from gearfem.engagement.contacts import REACH
 from gearfem.engagement.engage import LARGEST_OVERLOAD, Mesh
 from gearfem.engagement.pair_table import kernels, levels
-from gearfem.engagement.turn_stack import Common, Kind, Stack, stack_of
+from gearfem.engagement.turn_stack import Common, Kind, Stack, make_stack
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.record import digest
 from gearfem.foundation.units import MM
@@ -158,7 +158,7 @@ class Turns(Record):
         numbers = np.unique((whole[:, None] + np.arange(-far, far + 2)) % self.period)
         key = numbers.tobytes()
         if key not in self._stacks:
-            self._stacks[key] = stack_of(self.bare, self.common, [self._kind(number) for number in range(self.period)], numbers)
+            self._stacks[key] = make_stack(self.bare, self.common, [self._kind(number) for number in range(self.period)], numbers)
         return self._stacks[key]
 
     def _kind(self, number: int) -> tuple[Kind, Kind]:

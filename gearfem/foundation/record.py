@@ -76,22 +76,12 @@ def digest(value: Any) -> str:
     return sha.hexdigest()
 
 
-def _own(record: Record) -> bytes:
-    """Return the digest of a record, computed once: its content never changes."""
-    known: bytes | None = record.__dict__.get("_digest")
-    if known is None:
-        sha = hashlib.sha256()
-        for field in dataclasses.fields(record):
-            sha.update(field.name.encode())
-            _feed(sha, getattr(record, field.name))
-        known = record.__dict__["_digest"] = sha.digest()
-    return known
-
-
 def _feed(sha: Any, value: Any) -> None:
     sha.update(type(value).__name__.encode() + b":")
     if isinstance(value, Record):
-        sha.update(_own(value))
+        for field in dataclasses.fields(value):
+            sha.update(field.name.encode())
+            _feed(sha, getattr(value, field.name))
     elif isinstance(value, np.ndarray):
         sha.update(repr((value.dtype.str, value.shape)).encode() + np.ascontiguousarray(value).tobytes())
     elif isinstance(value, (list, tuple)):

@@ -1,15 +1,21 @@
-"""A pair and a campaign of the blind generator."""
+"""Pairs and campaigns: of the blind generator, and from the virtual rig."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+
+from gearfem.diagnosis import Diagnosis, choose, diagnose, read_campaign
+from gearfem.effects.catalogue import catalogue
 
 from .generator import make_case
 from .generator.campaign import Case
 from .generator.gear import make_pair
 from .generator.system import Scatter, System
 from .generator.tooth import ContactLaw
+from .rig import HIDDEN, on_the_rig
 
 TORQUE = 74.0
 
@@ -35,3 +41,14 @@ def shifted() -> System:
 def mixed() -> Case:
     """A campaign with one effect, the way the study asks for it."""
     return make_case((11, 2), "single", "tip_relief", "easy")
+
+
+@pytest.fixture(scope="session")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Measure a pair with tip relief on the virtual rig; return the campaign file."""
+    return on_the_rig(tmp_path_factory.mktemp("campaign"), {"effect": [HIDDEN], "calibration": {"stiffness_scale": 1.02}})
+
+
+@pytest.fixture(scope="session")
+def found(campaign: Path) -> Diagnosis:
+    return diagnose(read_campaign(campaign), choose(catalogue(), ["tip_relief"]))

@@ -15,7 +15,7 @@ from gearfem.diagnosis.unveil import unveiled
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.catalogue import catalogue
 from gearfem.foundation.progress import quiet
-from tests.recovery.test_diagnosis import PLAN, on_the_rig
+from tests.recovery.rig import PLAN, on_the_rig
 
 KINDS = choose(catalogue(), ["body_compliance", "contact_compliance", "tip_relief"])
 SCALE = 3.0

@@ -1,4 +1,4 @@
-"""Records: what they show when printed, and digests that are computed once."""
+"""Records: what they show when printed, and digests of their content."""
 
 from __future__ import annotations
 

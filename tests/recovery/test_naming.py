@@ -1,0 +1,111 @@
+"""What may be named: shapes, errors of our own model that imitate effects, contradictions, mirrors."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from gearfem.diagnosis import Diagnosis
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.mimic import mimicked
+from gearfem.diagnosis.parameters import at_bounds, overdone
+from gearfem.diagnosis.search import Search, stays, uneven, waves_of
+from gearfem.diagnosis.verdict import _mirrored, closure
+from gearfem.effects.contact_compliance import ContactCompliance
+from gearfem.effects.effect import Effect
+from gearfem.effects.pitting import Pitting
+from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.profile_wear import ProfileWear
+from gearfem.effects.tip_relief import TipRelief
+from gearfem.foundation.units import MM, UM
+
+
+def test_a_shape_may_be_wrong_by_a_share_of_its_depth(found: Diagnosis) -> None:
+    amount = 10.0 * UM
+    bench = found.problem.bench((ProfileSlope(gear="pinion", amount=amount),))
+    # A straight line over the path of contact, from nothing to the whole amount.
+    assert bench.depth("pinion") == pytest.approx(amount / math.sqrt(3.0), rel=0.02, abs=0.0)
+    assert bench.depth("wheel") == 0.0
+
+
+@pytest.mark.parametrize(("scale", "least", "most"), [(1.5, 0.99, 1.5), (3.0, 0.05, 0.4)])
+def test_an_effect_as_strong_as_an_error_of_the_model_is_imitated_by_it(found: Diagnosis, scale: float, least: float, most: float) -> None:
+    """One of the errors of the model is a contact that yields 1.5 times as much."""
+    problem, effects = found.problem, (ContactCompliance(scale=scale),)
+    start = problem.prepare((), np.zeros_like(found.naming.fit.point.unknown))
+    (share,) = mimicked(problem, problem.fit(effects, start, rounds=0))
+    assert least < share < most
+
+
+def test_how_far_a_shape_may_be_wrong_imitates_another_effect_and_not_its_own(found: Diagnosis) -> None:
+    problem, slope = found.problem, ProfileSlope(gear="pinion", amount=60.0 * UM)
+    small = TipRelief(gear="pinion", amount=3.0 * UM, length=2.0 * MM)
+    start = problem.prepare((slope, small), np.zeros_like(found.naming.fit.point.unknown))
+    own, other = mimicked(problem, problem.fit((slope, small), start, rounds=0))
+    start = problem.prepare((small,), np.zeros_like(found.naming.fit.point.unknown))
+    (alone,) = mimicked(problem, problem.fit((small,), start, rounds=0))
+    assert own < 0.2
+    assert other > 3.0 * alone
+
+
+def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> None:
+    """Teeth late by chance are none, a wave twice a turn is: brought back, it leaves the gap that it had closed."""
+    problem, fit = found.problem, found.naming.alone
+    late, turn = problem.unknowns.late, 2.0 * math.pi * np.arange(17) / 17
+
+    def with_errors(wave: float) -> Fit:
+        unknown = np.zeros_like(fit.point.unknown)
+        unknown[late] = np.random.default_rng(5).normal(size=30)
+        unknown[late][13:] += wave * np.cos(2.0 * turn + 0.3)
+        return dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
+
+    chance, wavy = with_errors(0.0), with_errors(6.0)
+    tooth, waves = uneven(problem, wavy)
+    assert waves[1] == pytest.approx(6.0 * math.sqrt(17 / 2), rel=0.25, abs=0.0)
+    assert waves[1] > 5.0 > 3.0 > max(waves[0], *tooth, *uneven(problem, chance).ravel())
+    assert stays(problem, chance)
+    assert not stays(problem, wavy)
+    assert closure(chance, chance, problem) == pytest.approx(0.0, abs=1e-9)
+    assert closure(wavy, chance, problem) > 0.5
+    assert waves_of(np.cos(2.0 * turn) + 3.0 + np.cos(5.0 * turn)) == pytest.approx(np.cos(2.0 * turn), abs=1e-12, rel=0.0)
+
+
+def test_what_is_as_strong_as_can_be_is_not_named(found: Diagnosis) -> None:
+    setup, slope = found.problem.campaign.setup, ProfileSlope(gear="pinion", amount=5.0 * UM)
+    most = ContactCompliance(scale=0.05)
+    assert overdone((slope, most), setup) == (most,)
+    ended = dataclasses.replace(found.naming.fit, effects=(slope, most))
+    assert Search(found.problem, found.naming.alone).barred(ended).startswith(most.describe())
+    # At its neutral value it does nothing, and a length says where.
+    longest = TipRelief.parameters()["length"].bounds(setup, "wheel")[1]
+    none, long = (TipRelief(gear="wheel", amount=amount, length=longest) for amount in (1e-12, 9.0 * UM))
+    assert at_bounds((none, long), setup) == ((0, "amount"), (0, "length"), (1, "length"))
+    assert not overdone((none, long), setup)
+
+
+@pytest.mark.parametrize(("tip", "root", "pitch", "named"), [(6.0, 9.0, 1.0, True), (1.0, 9.0, 1.8, True), (1.0, 9.0, 2.0, False)])
+def test_wear_that_is_not_least_at_the_pitch_point_is_not_named(
+    found: Diagnosis, tip: float, root: float, pitch: float, named: bool
+) -> None:
+    wear = ProfileWear(gear="wheel", tip=tip * UM, root=root * UM, pitch=pitch * UM)
+    why = Search(found.problem, found.naming.alone).barred(dataclasses.replace(found.naming.fit, effects=(wear,)))
+    assert ("nothing slides" in why) != named
+
+
+def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
+    slope = ProfileSlope(gear="pinion", amount=5.0 * UM)
+    pit = Pitting(gear="pinion", tooth=3, depth=4.0 * UM, centre=5.0 * MM, width=2.0 * MM)
+    other, relief = ProfileSlope(gear="wheel", amount=-4.0 * UM), TipRelief(gear="wheel", amount=3.0 * UM, length=2.0 * MM)
+
+    def mirrored(*sets: tuple[Effect, ...]) -> bool:
+        return _mirrored(*(cast(Fit, SimpleNamespace(effects=effects)) for effects in sets))
+
+    assert mirrored((other,), (slope,))
+    assert mirrored((pit, other), (slope, pit))
+    assert not mirrored((relief,), (slope,))
+    assert not mirrored((dataclasses.replace(pit, gear="wheel"),), (pit,))
