@@ -15,6 +15,7 @@ from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.shapes import bounded, shapes_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.turning import turned, turns
 from gearfem.diagnosis.zero import guess_zero
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -110,7 +111,7 @@ def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]]
 def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
     """Return the effect at the shape, and then the strength, that explain most."""
     setup = view.problem.campaign.setup
-    likely = _likeliest(slow, start) if slow is not None else []
+    likely = _waves(view, start) if turns(start) else _likeliest(slow, start) if slow is not None else []
     if not likely and _lost(view):
         return _fitted(view, start)
     likely = likely or [(effect, None) for effect in shapes_of(start, setup)]
@@ -177,6 +178,11 @@ def _fits(
         with contextlib.suppress(InputError, SolveError):
             found.append(problem.fit(effects, unknown, rounds, hopeless, fresh))
     return found
+
+
+def _waves(view: View, start: Effect) -> list[tuple[Effect, Array | None]]:
+    """Return an effect that comes with the turns of a shaft where it explains most, and the nuisances beside it."""
+    return [(effect, unknown) for effect in turned(view, start) for unknown in (None, *_elsewhere(view, effect))]
 
 
 def _likeliest(slow: View, start: Effect) -> list[tuple[Effect, Array | None]]:

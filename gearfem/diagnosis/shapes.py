@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
 
 import numpy as np
 
@@ -58,9 +57,4 @@ def tries(known: Parameter, setup: Setup, effect: Effect) -> tuple[float, ...]:
     typical = known.typically(setup, effect.member)
     if known.unit == "Hz":
         return tuple(float(f) for f in np.geomspace(*FREQUENCIES, 5))
-    if known.unit == "rad":
-        return tuple(math.pi * third for third in (-2.0 / 3.0, 0.0, 2.0 / 3.0))
-    if low > 0.0 and high / low > 1e3:
-        # Orders: whole ones first of all.
-        return tuple(float(order) for order in (1, 2, 3, 4, 5)) if typical >= 1.0 else (typical,)
     return tuple(sorted({min(max(share * typical, low), high) for share in (0.5, 1.0, 1.8)}))
