@@ -152,11 +152,24 @@ class EdgedLine(Record):
         InputError, SolveError
             As in `approach`.
         """
-        force = np.maximum(not_negative("force_per_width", force_per_width), SMALLEST_LINE_LOAD)
-        effective = self._effective(force, line)
-        slope = self.hertz.compliance(force, effective.radius, line.depth1, line.depth2)
-        narrowing = self.hertz.narrowing(force, effective.radius, line.depth1, line.depth2)
-        return slope + (0.5 - effective.growth) * narrowing
+        return self.respond(force_per_width, line)[1]
+
+    def respond(self, force_per_width: ArrayLike, line: Line) -> tuple[Array, Array]:
+        """Return `approach` and `compliance` together: the band over an edge is found once; arguments, units and errors as there.
+
+        Loads below `SMALLEST_LINE_LOAD` have its band, and so an approach in proportion to them.
+        """
+        force = not_negative("force_per_width", force_per_width)
+        loaded = np.maximum(force, SMALLEST_LINE_LOAD)
+        effective = self._effective(loaded, line)
+        approach, slope = self.hertz.respond(force, effective.radius, line.depth1, line.depth2)
+        over = effective.growth != 0.5
+        if not over.any():
+            return approach, slope
+        loaded, depth1, depth2 = (np.broadcast_to(values, over.shape)[over] for values in (loaded, line.depth1, line.depth2))
+        further = np.zeros(over.shape)
+        further[over] = (0.5 - effective.growth[over]) * self.hertz.narrowing(loaded, effective.radius[over], depth1, depth2)
+        return approach, slope + further
 
     def beside(self, force_per_width: ArrayLike, distance: ArrayLike, line: Line) -> Array:
         """Return the approach at a distance [m] beside a contact on the flanks, per load on it [m per N/m]; as `HertzLine.beside`."""

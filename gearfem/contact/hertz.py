@@ -146,6 +146,17 @@ class HertzLine(Record):
         first = _slope(width, not_negative("depth1", depth1), self.pinion)
         return first + _slope(width, not_negative("depth2", depth2), self.wheel)
 
+    def respond(self, force_per_width: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> tuple[Array, Array]:
+        """Return `approach` and `compliance` together, which share their logarithms; arguments, units and errors as there.
+
+        Loads below `SMALLEST_LINE_LOAD` have its half width, and so an approach in proportion to them.
+        """
+        force = not_negative("force_per_width", force_per_width)
+        width = self.half_width(np.maximum(force, SMALLEST_LINE_LOAD), radius)
+        first = _both(width, not_negative("depth1", depth1), self.pinion)
+        other = _both(width, not_negative("depth2", depth2), self.wheel)
+        return force * (first[0] + other[0]), first[1] + other[1]
+
     def narrowing(self, force_per_width: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
         """Return -d(approach/F)/d(ln a): how the approach per load falls as the half width grows at constant load.
 
@@ -221,6 +232,15 @@ def _approach_per_load(width: Array, depth: Array, material: Material) -> Array:
 def _slope(width: Array, depth: Array, material: Material) -> Array:
     bracket = np.arcsinh(depth / width) - depth / (2.0 * (1.0 - material.poissons_ratio) * np.hypot(width, depth))
     return 2.0 / (np.pi * material.plane_strain_modulus) * bracket
+
+
+def _both(width: Array, depth: Array, material: Material) -> tuple[Array, Array]:
+    """Return `_approach_per_load` and `_slope`."""
+    confined = material.poissons_ratio / (1.0 - material.poissons_ratio)
+    ray, logarithm = np.hypot(width, depth), np.arcsinh(depth / width)
+    scale = 2.0 / (np.pi * material.plane_strain_modulus)
+    own = logarithm - confined * depth / (depth + ray)
+    return scale * own, scale * (logarithm - depth / (2.0 * (1.0 - material.poissons_ratio) * ray))
 
 
 def _narrowing(width: Array, depth: Array, material: Material) -> Array:

@@ -40,9 +40,10 @@ class ScaledLaw(Record):
         """Return the approach [m]; arguments and errors as `EdgedLine.approach`."""
         return self.scale * self.law.approach(force_per_width, line)
 
-    def compliance(self, force_per_width: ArrayLike, line: Line) -> Array:
-        """Return the slope of the approach [m per N/m]; arguments and errors as `EdgedLine.compliance`."""
-        return self.scale * self.law.compliance(force_per_width, line)
+    def respond(self, force_per_width: ArrayLike, line: Line) -> tuple[Array, Array]:
+        """Return approach and compliance together; arguments and errors as `EdgedLine.respond`."""
+        approach, compliance = self.law.respond(force_per_width, line)
+        return self.scale * approach, self.scale * compliance
 
     def beside(self, force_per_width: ArrayLike, distance: ArrayLike, line: Line) -> Array:
         """Return the approach beside a contact, per load on it [m per N/m]; arguments and errors as `EdgedLine.beside`."""

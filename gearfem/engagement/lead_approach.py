@@ -40,10 +40,10 @@ class LeadApproach(Record):
         """Return the further approach [m] under mean line loads [N/m], shape (...)."""
         return self._read(force)[0]
 
-    def compliance(self, force: Array) -> Array:
-        """Return its slope [m per N/m]; that of the smallest load for none."""
-        slope: Array = self._read(force)[1] / np.maximum(force, SMALLEST)
-        return slope
+    def respond(self, force: Array) -> tuple[Array, Array]:
+        """Return the further approach [m] and its slope [m per N/m]; that of the smallest load for none."""
+        value, rate = self._read(force)
+        return value, rate / np.maximum(force, SMALLEST)
 
     def _read(self, force: Array) -> tuple[Array, Array]:
         """Return the value and its derivative with respect to the logarithm of the load."""

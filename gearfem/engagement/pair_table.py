@@ -24,7 +24,7 @@ from gearfem.foundation import Array, Record, SolveError
 LOWEST, LEVEL = 3e-8, 0.3
 # Cells to the pitch away from kinks, width of the first cell beside one in pitches, and growth of the next.
 CELLS, FINEST, GROWTH = 192, 4e-5, 1.1
-SEARCH, SECTIONS, ROUNDS = 200, 128, 3
+SEARCH, SECTIONS, ROUNDS = 200, 40, 4
 # Change of the logarithm of the radius over a cell from which on the cell is divided.
 BEND, MOST_PARTS = 0.03, 8
 # A contact point that moves this many times farther in a step than the median has jumped.
@@ -315,9 +315,8 @@ def _law(mesh: Mesh, system: PairSystem, reach: NDArray[np.bool_]) -> Array:
     at = {repeated[0].size: system.local(mesh.law).at(repeated) for repeated in (place, below)}
 
     def respond(force: Array) -> tuple[Array, Array]:
-        local, flat = at[force.size], force.ravel()
-        approach = own * force + local.approach(flat).reshape(force.shape)
-        return approach, own + local.compliance(flat).reshape(force.shape)
+        approach, slope = at[force.size].respond(force.ravel())
+        return own * force + approach.reshape(force.shape), own + slope.reshape(force.shape)
 
     # Loads that the teeth alone would bear at these approaches lie above the levels; samples go on below them.
     force = np.exp(np.concatenate([steps[0] - LEVEL * np.arange(BELOW, 0, -1), steps])) / own

@@ -22,8 +22,8 @@ class LineLaw(Protocol):
     def approach(self, force: Array, line: Line, /) -> Array:
         """Return the approach [m] under line loads [N/m]."""
 
-    def compliance(self, force: Array, line: Line, /) -> Array:
-        """Return the slope of the approach [m per N/m]."""
+    def respond(self, force: Array, line: Line, /) -> tuple[Array, Array]:
+        """Return the approach [m] and its slope [m per N/m] together."""
 
     def beside(self, force: Array, distance: Array, line: Line, /) -> Array:
         """Return the approach at a distance [m] beside a contact as wide as under a line load [N/m], per load on it [m per N/m]."""
@@ -83,10 +83,13 @@ class LocalApproach(NamedTuple):
         contact = self.law.approach(force, self.line)
         return contact if self.lead is None else contact + self.lead.approach(force)
 
-    def compliance(self, force: Array) -> Array:
-        """Return its slope [m per N/m]."""
-        contact = self.law.compliance(force, self.line)
-        return contact if self.lead is None else contact + self.lead.compliance(force)
+    def respond(self, force: Array) -> tuple[Array, Array]:
+        """Return the approach [m] under line loads [N/m] and its slope [m per N/m]."""
+        approach, slope = self.law.respond(force, self.line)
+        if self.lead is None:
+            return approach, slope
+        further, rate = self.lead.respond(force)
+        return approach + further, slope + rate
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -234,15 +237,15 @@ def _invert(local: LocalApproach, available: Array, own: Array) -> tuple[Array, 
     bound = available / own
     force = available / (own + local.approach(bound) / bound)
     for _ in range(ITERATIONS):
-        slope = 1.0 / (own + local.compliance(force))
-        step = (available - own * force - local.approach(force)) * slope
+        approach, compliance = local.respond(force)
+        step = (available - own * force - approach) / (own + compliance)
         force = np.maximum(force + step, 0.1 * force)
         if np.all(np.abs(step) <= 4e-15 * force):
             break
     else:
         if not np.all(np.abs(step) <= TOLERANCE * force):
             raise SolveError("the contact law could not be inverted")
-    return force, 1.0 / (own + local.compliance(force))
+    return force, 1.0 / (own + local.respond(force)[1])
 
 
 def _invert_alone(system: PairSystem, law: LineLaw, torque: float) -> Array:

@@ -29,8 +29,8 @@ class LinearLaw:
     def approach(self, force: Array, *_: object) -> Array:
         return 3e-12 * force
 
-    def compliance(self, force: Array, *_: object) -> Array:
-        return np.full_like(force, 3e-12)
+    def respond(self, force: Array, *_: object) -> tuple[Array, Array]:
+        return self.approach(force), np.full_like(force, 3e-12)
 
 
 @pytest.fixture(scope="module", params=PAIRS)
@@ -118,8 +118,8 @@ def test_half_the_compliance_halves_the_error_of_linear_contact(case) -> None:
         def approach(self, force: Array, *_: object) -> Array:
             return 1.5e-12 * force
 
-        def compliance(self, force: Array, *_: object) -> Array:
-            return np.full_like(force, 1.5e-12)
+        def respond(self, force: Array, *_: object) -> tuple[Array, Array]:
+            return self.approach(force), np.full_like(force, 1.5e-12)
 
     whole = share_torque(system, LinearLaw(), TORQUE)
     half = share_torque(dataclasses.replace(system, linear=0.5 * system.linear, gap=0.5 * system.gap), Half(), TORQUE)

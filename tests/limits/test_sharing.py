@@ -22,8 +22,8 @@ class LinearLaw:
     def approach(self, force: Array, *_: Array) -> Array:
         return self.slope * force
 
-    def compliance(self, force: Array, *_: Array) -> Array:
-        return np.full_like(force, self.slope)
+    def respond(self, force: Array, *_: Array) -> tuple[Array, Array]:
+        return self.approach(force), np.full_like(force, self.slope)
 
 
 def random_system(pairs: int, angles: int = 200, coupled: bool = True, seed: int = 7) -> PairSystem:

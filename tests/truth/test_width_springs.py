@@ -21,8 +21,8 @@ class LinearLaw:
     def approach(self, force: Array, *_: object) -> Array:
         return 1e-11 * force
 
-    def compliance(self, force: Array, *_: object) -> Array:
-        return np.full_like(force, 1e-11)
+    def respond(self, force: Array, *_: object) -> tuple[Array, Array]:
+        return self.approach(force), np.full_like(force, 1e-11)
 
 
 def tilted(slope: float, count: int) -> tuple[float, float, np.ndarray]:
