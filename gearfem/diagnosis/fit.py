@@ -214,7 +214,7 @@ def _inexact(effect: Effect, setup: Setup) -> dict[str, float]:
 
     Of depths at several places that is the largest one; nothing for where and how an effect acts.
     """
-    known, largest = effect.parameters(), dict[str, float]()
+    known, largest = effect.fitted(), dict[str, float]()
     for field in effect.strengths():
         value, rest, unit = getattr(effect, field), known[field].at_rest(setup, effect.member), known[field].unit
         largest[unit] = max(largest.get(unit, 0.0), abs(value - rest) if math.isfinite(rest) else value)

@@ -1,4 +1,4 @@
-"""The parameters of sets of effects as one vector: values, bounds and sizes, in coordinates in which effects are smooth."""
+"""The fitted parameters of sets of effects as one vector: values, bounds and sizes, in coordinates in which effects are smooth."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NOTHING = 1e-3
 
 def values(effects: tuple[Effect, ...]) -> Array:
     """Return the parameters of effects, shape (p,)."""
-    pairs = ((effect, field, known) for effect in effects for field, known in effect.parameters().items())
+    pairs = ((effect, field, known) for effect in effects for field, known in effect.fitted().items())
     return np.array([known.coordinate(getattr(effect, field)) for effect, field, known in pairs])
 
 
@@ -25,7 +25,7 @@ def bounds(effects: tuple[Effect, ...], setup: Setup) -> tuple[Array, Array]:
     both = [
         sorted(known.coordinate(edge) for edge in known.bounds(setup, effect.member))
         for effect in effects
-        for known in effect.parameters().values()
+        for known in effect.fitted().values()
     ]
     array = np.array(both).reshape(-1, 2)
     return array[:, 0], array[:, 1]
@@ -35,7 +35,7 @@ def sizes(effects: tuple[Effect, ...], setup: Setup) -> Array:
     """Return their typical sizes, by which differences are taken, shape (p,)."""
     out = []
     for effect in effects:
-        for known in effect.parameters().values():
+        for known in effect.fitted().values():
             typical = known.coordinate(known.typically(setup, effect.member))
             rest = known.coordinate(known.at_rest(setup, effect.member)) if known.neutral is not None else 0.0
             out.append(abs(typical - rest) or abs(typical) or 1.0)
@@ -46,7 +46,7 @@ def moved(effects: tuple[Effect, ...], to: Array) -> tuple[Effect, ...]:
     """Return effects with other parameters, shape (p,)."""
     left = iter(to)
     return tuple(
-        dataclasses.replace(effect, **{field: known.value(float(next(left))) for field, known in effect.parameters().items()})
+        dataclasses.replace(effect, **{field: known.value(float(next(left))) for field, known in effect.fitted().items()})
         for effect in effects
     )
 
@@ -64,7 +64,7 @@ def overdone(effects: tuple[Effect, ...], setup: Setup) -> tuple[Effect, ...]:
 def _ended(effect: Effect, setup: Setup) -> tuple[str, ...]:
     """Return the fields of an effect that stand at a bound."""
     found = []
-    for field, known in effect.parameters().items():
+    for field, known in effect.fitted().items():
         value, *edges = (known.coordinate(at) for at in (getattr(effect, field), *known.bounds(setup, effect.member)))
         if any(abs(value - edge) <= 1e-6 * abs(edges[1] - edges[0]) for edge in edges):
             found.append(field)

@@ -20,7 +20,7 @@ LIKELIEST, MULTIPLES = 2, (1.0, 2.0)
 
 def turns(effect: Effect) -> bool:
     """Return whether an effect is a wave over the turns of a shaft, with a strength and a phase."""
-    return effect.repeats == "once a turn" and len(effect.strengths()) == 1 and len(_fields(effect, "rad")) == 1
+    return effect.repeats == "once a turn" and len(effect.strengths()) == 1 and len(_phases(effect)) == 1
 
 
 def turned(view: View, start: Effect) -> list[Effect]:
@@ -56,14 +56,14 @@ def turned(view: View, start: Effect) -> list[Effect]:
 
 def _orders(start: Effect) -> list[Effect]:
     """Return the effect at every order that is tried; itself where it has none."""
-    fields = [field for field, known in start.parameters().items() if known.neutral is None and known.unit == ""]
+    fields = [field for field, known in start.parameters().items() if known.whole]
     return [dataclasses.replace(start, **{fields[0]: order}) for order in ORDERS] if fields else [start]
 
 
 def _wave(view: View, effect: Effect) -> tuple[float, Effect]:
     """Return by how much a wave would lower the objective, and it at the phase and the strength that do."""
     problem, point = view.problem, view.base.point
-    (phase,) = _fields(effect, "rad")
+    (phase,) = _phases(effect)
     small = effect.scaled(PROBE, problem.campaign.setup)
     responses = []
     for quarter in (0.0, 0.5 * math.pi):
@@ -76,5 +76,5 @@ def _wave(view: View, effect: Effect) -> tuple[float, Effect]:
     return float(pull @ (along, across)), best
 
 
-def _fields(effect: Effect, unit: str) -> list[str]:
-    return [field for field, known in effect.parameters().items() if known.neutral is None and known.unit == unit]
+def _phases(effect: Effect) -> list[str]:
+    return [field for field, known in effect.parameters().items() if known.neutral is None and known.unit == "rad"]

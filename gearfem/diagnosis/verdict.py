@@ -168,13 +168,12 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
 
 def _mirrored(fit: Fit, best: Fit) -> bool:
     """Return whether an explanation has the same effects as the best one, those of all teeth on the other gear."""
-    one, other = (label(each.effects) for each in (fit, best))
-    return one != other and _gearless(one) == _gearless(other)
+    return label(fit.effects) != label(best.effects) and _gearless(fit.effects) == _gearless(best.effects)
 
 
-def _gearless(own: tuple[Label, ...]) -> list[Label]:
-    """Return labels of effects without the gears of those of all teeth."""
-    return sorted((name, gear if tooth >= 0 else "", tooth) for name, gear, tooth in own)
+def _gearless(effects: tuple[Effect, ...]) -> list[Label]:
+    """Return the labels of effects, those of all teeth without their gear; waves of one shaft are none of the other's."""
+    return sorted((e.name, "" if e.repeats == "every tooth" else getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects)
 
 
 def _astray(search: Search) -> list[tuple[str, float]]:

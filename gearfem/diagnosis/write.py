@@ -97,9 +97,8 @@ def _named(diagnosis: Diagnosis, number: int) -> dict[str, Any]:
     table = effect_table(effect, diagnosis.campaign.setup)
     parameters: dict[str, Any] = {}
     for key, field in effect.keys().items():
-        value = getattr(effect, field)
-        if field not in effect.parameters():
-            parameters[key] = {"value": value}
+        if field not in effect.fitted():
+            parameters[key] = {"value": getattr(effect, field)}
             continue
         parameters[key] = {"value": table[key], "stderr": stderr(effect, field, deviations[field])}
         if (number, field) in naming.fit.bound:

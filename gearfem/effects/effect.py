@@ -53,6 +53,8 @@ class Parameter:
         Whether the effect grows with the reciprocal of the value (a frequency that is infinite at no effect).
     place : bool
         Whether it says where on the flank the effect lies, which may be anywhere between the bounds.
+    whole : bool
+        Whether it is a whole number by its cause, as the order of a motor: a diagnosis chooses it and does not fit it.
     """
 
     words: str
@@ -63,6 +65,7 @@ class Parameter:
     neutral: Size | None = None
     reciprocal: bool = False
     place: bool = False
+    whole: bool = False
 
     def bounds(self, setup: Setup, member: Member) -> tuple[float, float]:
         """Return both bounds for a gear of a pair."""
@@ -95,9 +98,12 @@ def parameter(
     neutral: Size | None = None,
     reciprocal: bool = False,
     place: bool = False,
+    whole: bool = False,
 ) -> Any:
     """Declare a parameter: the default of a dataclass field of an effect. Arguments as those of `Parameter`."""
-    declared = Parameter(words=words, unit=unit, low=low, high=high, typical=typical, neutral=neutral, reciprocal=reciprocal, place=place)
+    declared = Parameter(
+        words=words, unit=unit, low=low, high=high, typical=typical, neutral=neutral, reciprocal=reciprocal, place=place, whole=whole
+    )
     return dataclasses.field(metadata={"parameter": declared})
 
 
@@ -143,6 +149,11 @@ class Effect(Record, abc.ABC):
     def parameters(cls) -> dict[str, Parameter]:
         """Return what is known of the numbers among the fields, by field; `gear` and `tooth` are not among them."""
         return {field.name: field.metadata["parameter"] for field in dataclasses.fields(cls) if "parameter" in field.metadata}
+
+    @classmethod
+    def fitted(cls) -> dict[str, Parameter]:
+        """Return the parameters that a diagnosis fits, by field: all but whole numbers."""
+        return {field: known for field, known in cls.parameters().items() if not known.whole}
 
     @classmethod
     def strengths(cls) -> tuple[str, ...]:

@@ -27,7 +27,7 @@ class TorqueRipple(Effect):
     source = "Pole and cogging torques of electric machines, combustion orders"
 
     gear: Member
-    order: float = parameter("cycles to a turn of the shaft", low=0.01, high=1000.0, typical=2.0)
+    order: float = parameter("cycles to a turn of the shaft", low=0.01, high=1000.0, typical=2.0, whole=True)
     amplitude: float = parameter("of the torque on that gear", "Nm", low=0.0, high=of_torque(1.0), typical=of_torque(0.05), neutral=0.0)
     phase: float = parameter("at angle 0", "rad", low=-2.0 * math.pi, high=2.0 * math.pi, typical=0.5)
 

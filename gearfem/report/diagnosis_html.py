@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -118,7 +119,7 @@ def _parameters(diagnosis: Diagnosis) -> list[ParameterRow]:
     for number, (effect, deviations) in enumerate(zip(fit.effects, fit.deviations, strict=True)):
         for field, known in effect.parameters().items():
             key = effect.key(field)
-            value, error = getattr(effect, field) / factor(key), stderr(effect, field, deviations[field])
+            value, error = getattr(effect, field) / factor(key), stderr(effect, field, deviations.get(field, math.inf))
             half = 0.0 if error is None else INTERVAL * error
             low, high = ("", "") if error is None else (f"{value - half:.4g}", f"{value + half:.4g}")
             remark = "at its bound" if (number, field) in fit.bound else ""

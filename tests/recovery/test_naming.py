@@ -21,6 +21,7 @@ from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.profile_wear import ProfileWear
+from gearfem.effects.runout import Runout
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation.units import MM, UM
 
@@ -109,3 +110,6 @@ def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
     assert mirrored((pit, other), (slope, pit))
     assert not mirrored((relief,), (slope,))
     assert not mirrored((dataclasses.replace(pit, gear="wheel"),), (pit,))
+    assert not mirrored(
+        (Runout(gear="wheel", eccentricity=5.0 * UM, angle=1.0),), (Runout(gear="pinion", eccentricity=5.0 * UM, angle=1.0),)
+    )

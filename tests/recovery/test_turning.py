@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from gearfem.diagnosis import read_campaign
+from gearfem.diagnosis import parameters, read_campaign
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.candidate import view_of
 from gearfem.diagnosis.noise import measure_noise
@@ -38,6 +38,13 @@ def test_an_order_beyond_the_first_few_is_found_with_its_phase(tmp_path: Path) -
     assert first.phase == pytest.approx(-2.5, rel=0.0, abs=0.1)
     # A place to start from: index errors have taken part of it, and at a low torque, where few pairs touch, all this bends.
     assert first.amplitude == pytest.approx(2.0, rel=0.25, abs=0.0)
+
+
+def test_an_order_is_chosen_and_not_fitted() -> None:
+    ripple = TorqueRipple(gear="pinion", order=3.0, amplitude=2.0, phase=1.0)
+    (moved,) = parameters.moved((ripple,), parameters.values((ripple,)) + 0.5)
+    assert (moved.order, moved.amplitude, moved.phase) == (3.0, 2.5, 1.5)  # type: ignore[attr-defined]
+    assert all(len(edge) == 2 for edge in parameters.bounds((ripple,), make_setup(NOMINAL)))
 
 
 def test_an_eccentricity_has_no_order(tmp_path: Path) -> None:
