@@ -16,6 +16,7 @@ from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.search import Search, stays, uneven, waves_of
 from gearfem.diagnosis.verdict import _mirrored, closure
+from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
@@ -96,6 +97,13 @@ def test_wear_that_is_not_least_at_the_pitch_point_is_not_named(
     wear = ProfileWear(gear="wheel", tip=tip * UM, root=root * UM, pitch=pitch * UM)
     why = Search(found.problem, found.naming.alone).barred(dataclasses.replace(found.naming.fit, effects=(wear,)))
     assert ("nothing slides" in why) != named
+
+
+@pytest.mark.parametrize(("scale", "named"), [(0.4, False), (0.6, True), (1.7, True)])
+def test_no_hub_holds_a_body_at_less_than_half_of_what_it_yields(found: Diagnosis, scale: float, named: bool) -> None:
+    bodies = BodyCompliance(scale=scale)
+    why = Search(found.problem, found.naming.alone).barred(dataclasses.replace(found.naming.fit, effects=(bodies,)))
+    assert ("bodies do not yield" in why) != named
 
 
 def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:

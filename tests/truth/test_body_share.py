@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from gearfem.compliance import Compliance, FiniteElements, Root, body_compliance, body_share, make_compliance, scale_body
-from gearfem.flank import make_flanks
-from gearfem.foundation import InputError
+from gearfem.flank import Outline, make_flanks
+from gearfem.foundation import Array, InputError
 from gearfem.foundation.record import digest
+from gearfem.model import make_setup
 
 METHOD = FiniteElements(resolution=1.0)
 
@@ -71,3 +72,25 @@ def test_refuses_the_compliance_of_another_method(compliance: Compliance) -> Non
     other = dataclasses.replace(compliance, pinion=dataclasses.replace(compliance.pinion, method="castigliano"))
     with pytest.raises(InputError, match="method"):
         scale_body(other, 1.1)
+
+
+@pytest.mark.parametrize(("teeth", "least", "most"), [(23, 0.34, 0.50), (60, 0.42, 0.66)])
+def test_a_hub_up_to_nine_tenths_of_the_root_circle_leaves_about_half(teeth: int, least: float, most: float) -> None:
+    """What a diagnosis calls the least that bodies may yield."""
+    half, hub = (_body_on(teeth, share) for share in (0.5, 0.9))
+    assert ((hub / half > least) & (hub / half < most)).all()
+
+
+def _body_on(teeth: int, share: float) -> Array:
+    bore = share * 2.5 * (teeth / 2.0 - 1.25)
+    setup = make_setup(
+        {
+            "name": "held at its bore",
+            "pair": {"module_mm": 2.5, "face_width_mm": 20.0},
+            "pinion": {"teeth": teeth, "bore_radius_mm": bore},
+            "wheel": {"teeth": 41},
+            "operation": {"pinion_torque_Nm": 100.0, "pinion_speed_rpm": 1000.0},
+        }
+    )
+    outline = Outline(gear=setup.pair.pinion)
+    return body_compliance(outline, np.linspace(*outline.parameter([outline.flank_start, outline.flank_end]), 5)).body
