@@ -205,6 +205,7 @@ def test_a_record_of_unknown_first_tooth_is_turned_until_it_fits(tmp_path: Path)
     assert proof.stands
 
 
+@pytest.mark.slow
 def test_a_narrow_pit_between_the_places_tried_is_found(tmp_path: Path) -> None:
     low, high = Pitting.parameters()["centre"].bounds(make_setup(NOMINAL), "wheel")
     centre = low + 0.5 * (high - low)
