@@ -277,10 +277,16 @@ def _why_none(gained: float, needed: float) -> str:
 def sentence_of(verdict: Verdict, fit: Fit, closed: float) -> str:
     """Return a verdict in words: the effects of a fit, and the share of the gap that it closes."""
     words = "; ".join(effect.describe() for effect in fit.effects)
+    # Nuisances may have closed it before, with values that are less likely than the effect is.
+    closes = (
+        f"this closes {100.0 * closed:.0f} % of the gap"
+        if closed >= 0.01
+        else "nuisances alone leave as little, but only with less likely values"
+    )
     return {
         "no_discrepancy": "Model and measurement agree within noise, the scatter of single teeth and the errors of our own model.",
         "unexplained": "Something is missing that no effect of the catalogue, alone or with others, stands for: none is named.",
         "ambiguous": f"{words}; but other explanations fit these data as well.",
-        "explained": f"{words}: this closes {100.0 * closed:.0f} % of the gap.",
-        "partly_explained": f"{words}: this closes {100.0 * closed:.0f} % of the gap, and a significant rest remains.",
+        "explained": f"{words}: {closes}.",
+        "partly_explained": f"{words}: {closes}, and a significant rest remains.",
     }[verdict]

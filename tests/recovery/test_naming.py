@@ -15,7 +15,7 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.search import Search, stays, uneven, waves_of
-from gearfem.diagnosis.verdict import _mirrored, closure
+from gearfem.diagnosis.verdict import _mirrored, closure, sentence_of
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.effect import Effect
@@ -104,6 +104,11 @@ def test_no_hub_holds_a_body_at_less_than_half_of_what_it_yields(found: Diagnosi
     bodies = BodyCompliance(scale=scale)
     why = Search(found.problem, found.naming.alone).barred(dataclasses.replace(found.naming.fit, effects=(bodies,)))
     assert ("bodies do not yield" in why) != named
+
+
+@pytest.mark.parametrize(("closed", "words"), [(0.94, "closes 94 % of the gap"), (-0.01, "nuisances alone leave as little")])
+def test_no_name_closes_less_than_nothing(found: Diagnosis, closed: float, words: str) -> None:
+    assert words in sentence_of("explained", found.naming.fit, closed)
 
 
 def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
