@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -62,8 +61,7 @@ class ParameterRow(NamedTuple):
     effect: str
     words: str
     value: str
-    low: str
-    high: str
+    interval: str
     unit: str
     remark: str
 
@@ -119,12 +117,15 @@ def _parameters(diagnosis: Diagnosis) -> list[ParameterRow]:
     for number, (effect, deviations) in enumerate(zip(fit.effects, fit.deviations, strict=True)):
         for field, known in effect.parameters().items():
             key = effect.key(field)
-            value, error = getattr(effect, field) / factor(key), stderr(effect, field, deviations.get(field, math.inf))
-            half = 0.0 if error is None else INTERVAL * error
-            low, high = ("", "") if error is None else (f"{value - half:.4g}", f"{value + half:.4g}")
-            remark = "at its bound" if (number, field) in fit.bound else ""
-            rows.append(ParameterRow(title(effect), known.words, f"{value:.4g}", low, high, _shown(known.unit), remark))
+            value, remark = getattr(effect, field) / factor(key), "at its bound" if (number, field) in fit.bound else ""
+            interval = "a whole number, chosen" if known.whole else _interval(value, stderr(effect, field, deviations[field]))
+            rows.append(ParameterRow(title(effect), known.words, f"{value:.4g}", interval, _shown(known.unit), remark))
     return rows
+
+
+def _interval(value: float, error: float | None) -> str:
+    """Return the interval of 95 % in words, of a standard error in the same unit."""
+    return "not decided by these data" if error is None else f"{value - INTERVAL * error:.4g} to {value + INTERVAL * error:.4g}"
 
 
 def _shown(unit: str) -> str:
