@@ -115,8 +115,8 @@ class HertzLine(Record):
         width = self.half_width(force, radius)
         # Any width serves where the load is 0 (or too small for its square root), since the load multiplies the bracket.
         width = np.where(width > 0.0, width, 1.0)
-        first = _approach_per_load(width, not_negative("depth1", depth1), self.pinion)
-        return force * (first + _approach_per_load(width, not_negative("depth2", depth2), self.wheel))
+        first, _ = _yield(width, not_negative("depth1", depth1), self.pinion)
+        return force * (first + _yield(width, not_negative("depth2", depth2), self.wheel)[0])
 
     def compliance(self, force_per_width: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
         """Return the derivative of `approach` with respect to the line load.
@@ -141,10 +141,7 @@ class HertzLine(Record):
         With da/dF = a/(2 F) each body gives 2 (1 - nu^2)/(pi E) [asinh(d/a) - d/(2 (1 - nu) sqrt(a^2 + d^2))]
         (derived here), positive for every load and depth if nu < 1/2.
         """
-        force = np.maximum(not_negative("force_per_width", force_per_width), SMALLEST_LINE_LOAD)
-        width = self.half_width(force, radius)
-        first = _slope(width, not_negative("depth1", depth1), self.pinion)
-        return first + _slope(width, not_negative("depth2", depth2), self.wheel)
+        return self.respond(force_per_width, radius, depth1, depth2)[1]
 
     def respond(self, force_per_width: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> tuple[Array, Array]:
         """Return `approach` and `compliance` together, which share their logarithms; arguments, units and errors as there.
@@ -153,8 +150,8 @@ class HertzLine(Record):
         """
         force = not_negative("force_per_width", force_per_width)
         width = self.half_width(np.maximum(force, SMALLEST_LINE_LOAD), radius)
-        first = _both(width, not_negative("depth1", depth1), self.pinion)
-        other = _both(width, not_negative("depth2", depth2), self.wheel)
+        first = _yield(width, not_negative("depth1", depth1), self.pinion)
+        other = _yield(width, not_negative("depth2", depth2), self.wheel)
         return force * (first[0] + other[0]), first[1] + other[1]
 
     def narrowing(self, force_per_width: ArrayLike, radius: ArrayLike, depth1: ArrayLike, depth2: ArrayLike) -> Array:
@@ -223,19 +220,8 @@ def _beside(aside: Array, depth: Array, material: Material) -> Array:
     return 2.0 / (np.pi * material.plane_strain_modulus) * bracket
 
 
-def _approach_per_load(width: Array, depth: Array, material: Material) -> Array:
-    confined = material.poissons_ratio / (1.0 - material.poissons_ratio)
-    bracket = np.arcsinh(depth / width) - confined * depth / (depth + np.hypot(width, depth))
-    return 2.0 / (np.pi * material.plane_strain_modulus) * bracket
-
-
-def _slope(width: Array, depth: Array, material: Material) -> Array:
-    bracket = np.arcsinh(depth / width) - depth / (2.0 * (1.0 - material.poissons_ratio) * np.hypot(width, depth))
-    return 2.0 / (np.pi * material.plane_strain_modulus) * bracket
-
-
-def _both(width: Array, depth: Array, material: Material) -> tuple[Array, Array]:
-    """Return `_approach_per_load` and `_slope`."""
+def _yield(width: Array, depth: Array, material: Material) -> tuple[Array, Array]:
+    """Return the approach of one body per load, and its slope over the load [m per N/m]."""
     confined = material.poissons_ratio / (1.0 - material.poissons_ratio)
     ray, logarithm = np.hypot(width, depth), np.arcsinh(depth / width)
     scale = 2.0 / (np.pi * material.plane_strain_modulus)

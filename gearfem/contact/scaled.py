@@ -36,10 +36,6 @@ class ScaledLaw(Record):
         if not 0.0 < self.scale < float("inf"):
             raise InputError("scale", self.scale, "a positive number; 1 leaves the contact as it is")
 
-    def approach(self, force_per_width: ArrayLike, line: Line) -> Array:
-        """Return the approach [m]; arguments and errors as `EdgedLine.approach`."""
-        return self.scale * self.law.approach(force_per_width, line)
-
     def respond(self, force_per_width: ArrayLike, line: Line) -> tuple[Array, Array]:
         """Return approach and compliance together; arguments and errors as `EdgedLine.respond`."""
         approach, compliance = self.law.respond(force_per_width, line)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 
@@ -45,10 +46,8 @@ def turned(view: View, start: Effect) -> list[Effect]:
     """
     found = []
     for order in _orders(start):
-        try:
+        with contextlib.suppress(InputError, SolveError):
             found.append(_wave(view, order))
-        except (InputError, SolveError):
-            continue
     setup = view.problem.campaign.setup
     likeliest = sorted((item for item in found if item[0] > 0.0), key=lambda item: -item[0])[:LIKELIEST]
     return [bounded(effect.scaled(multiple, setup), setup) for _, effect in likeliest for multiple in MULTIPLES]

@@ -9,7 +9,8 @@ from gearfem.compliance.record import Compliance
 from gearfem.definition.setup import Setup
 from gearfem.effects.effect import Effect, parameter
 
-# A hub that is rigid up to nine tenths of the root circle leaves 0.34 to 0.65 of what a body held at half of it yields (23 to 60 teeth).
+# Of what a body held at half of its root circle yields, a hub that is rigid up to eight tenths of it leaves 0.53 to 0.79, and up to nine
+# tenths 0.34 to 0.65 (23 to 60 teeth).
 LEAST = 0.5
 
 
@@ -26,8 +27,8 @@ class BodyCompliance(Effect):
     scale: float = parameter("of the bodies' share of the compliance", low=0.05, high=20.0, typical=1.5, neutral=1.0)
 
     def contradicts(self) -> str:
-        """Return that no hub holds a body so stiffly: most of it yields right under the tooth."""
-        return "bodies do not yield less than half as much, even on a hub of nine tenths of their root circle" if self.scale < LEAST else ""
+        """Return that only a hub that leaves hardly a body holds it so stiffly: most of it yields right under the tooth."""
+        return "bodies yield less than half as much only on a hub beyond eight tenths of their root circle" if self.scale < LEAST else ""
 
     def act(self, compliance: Compliance, setup: Setup) -> Compliance:
         """Scale the bodies' share and the coupling, which is all theirs."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +48,7 @@ class Mesh(Record):
     law: LineLaw
     slices: FaceSlices = dataclasses.field(default_factory=FaceSlices)
 
-    @property
+    @cached_property
     def lead(self) -> LeadTable | None:
         """What the lead of the flanks adds to the approach; None where they are parallel, which costs no solid elements."""
         if self.flanks.lead.uniform:

@@ -19,11 +19,8 @@ TOLERANCE = 1e-12
 class LineLaw(Protocol):
     """Approach of one line contact under a line load, without the teeth."""
 
-    def approach(self, force: Array, line: Line, /) -> Array:
-        """Return the approach [m] under line loads [N/m]."""
-
     def respond(self, force: Array, line: Line, /) -> tuple[Array, Array]:
-        """Return the approach [m] and its slope [m per N/m] together."""
+        """Return the approach [m] under line loads [N/m] and its slope [m per N/m]."""
 
     def beside(self, force: Array, distance: Array, line: Line, /) -> Array:
         """Return the approach at a distance [m] beside a contact as wide as under a line load [N/m], per load on it [m per N/m]."""
@@ -80,8 +77,7 @@ class LocalApproach(NamedTuple):
 
     def approach(self, force: Array) -> Array:
         """Return the approach [m] under line loads [N/m]."""
-        contact = self.law.approach(force, self.line)
-        return contact if self.lead is None else contact + self.lead.approach(force)
+        return self.respond(force)[0]
 
     def respond(self, force: Array) -> tuple[Array, Array]:
         """Return the approach [m] under line loads [N/m] and its slope [m per N/m]."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gearfem.compliance import Compliance, FiniteElements, Root, body_compliance, body_share, make_compliance, scale_body
+from gearfem.effects.body_compliance import LEAST
 from gearfem.flank import Outline, make_flanks
 from gearfem.foundation import Array, InputError
 from gearfem.foundation.record import digest
@@ -74,10 +75,14 @@ def test_refuses_the_compliance_of_another_method(compliance: Compliance) -> Non
         scale_body(other, 1.1)
 
 
-@pytest.mark.parametrize(("teeth", "least", "most"), [(23, 0.34, 0.50), (60, 0.42, 0.66)])
-def test_a_hub_up_to_nine_tenths_of_the_root_circle_leaves_about_half(teeth: int, least: float, most: float) -> None:
+@pytest.mark.parametrize(
+    ("teeth", "reach", "least", "most"), [(23, 0.8, LEAST, 0.80), (60, 0.8, LEAST, 0.80), (23, 0.9, 0.34, 0.50), (60, 0.9, 0.42, 0.66)]
+)
+def test_only_a_hub_beyond_eight_tenths_of_the_root_circle_leaves_less_than_half(
+    teeth: int, reach: float, least: float, most: float
+) -> None:
     """What a diagnosis calls the least that bodies may yield."""
-    half, hub = (_body_on(teeth, share) for share in (0.5, 0.9))
+    half, hub = (_body_on(teeth, share) for share in (0.5, reach))
     assert ((hub / half > least) & (hub / half < most)).all()
 
 
