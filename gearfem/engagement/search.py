@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +18,6 @@ from gearfem.placement import Placement
 
 # The equivalent curvature of worn flanks is not taken below this part of that of the involutes.
 FLATTEST = 0.1
-ITERATIONS, SMALLEST_STEP = 100, 1e-12
 # Two touches of one pair are told apart from this distance on, in modules: some half widths of the contact.
 APART = 0.05
 # Normals of the flanks in contact differ by no more [rad]; what exceeds it is a corner.
@@ -160,37 +161,21 @@ def _meet(pinion: Outline, wheel: Outline, distance: float, axis1: Array, u1: Ar
 
 
 def _refined(pinion: Outline, wheel: Outline, placement: Placement, axis1: Array, candidates: Candidates) -> Meeting:
-    """Return the touch in each candidate by Newton's method inside a bracket, halved where Newton leaves it or dawdles."""
-    low, high, u = np.array(candidates.low), np.array(candidates.high), np.array(candidates.start)
-    before, active, distance = high - low, np.arange(len(u)), placement.centre_distance
-    for _ in range(ITERATIONS):
-        at = u[active]
-        met = _meet(pinion, wheel, distance, axis1[candidates.row[active]], at)
-        missing, slope = _missing(pinion, wheel, distance, candidates.kind[active], met)
-        low[active], high[active] = np.where(missing > 0.0, at, low[active]), np.where(missing > 0.0, high[active], at)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            newton = at + missing / slope
-        steady = (newton >= low[active]) & (newton <= high[active]) & (slope > 0.0) & (np.abs(newton - at) < 0.5 * before[active])
-        u[active] = np.where(steady & (np.abs(met.mismatch) < 0.5), newton, (low[active] + high[active]) / 2.0)
-        before[active] = np.abs(u[active] - at)
-        active = active[before[active] > SMALLEST_STEP]
-        if not active.size:
-            return _meet(pinion, wheel, distance, axis1[candidates.row], u)
-    raise SolveError(f"the contact point of two worn flanks did not converge at {active.size} of {len(u)} places")
+    """Return the touch in each candidate."""
+    row, low, high, start, kind = candidates
+    u, distance = start.copy(), placement.centre_distance
+    failed = kernel().refine(pinion.curve, wheel.curve, distance, axis1, row, low, high, kind, u)
+    if failed:
+        raise SolveError(f"the contact point of two worn flanks did not converge at {failed} of {len(u)} places")
+    return _meet(pinion, wheel, distance, axis1[row], u)
 
 
-def _missing(pinion: Outline, wheel: Outline, distance: float, kind: NDArray[np.intp], met: Meeting) -> tuple[Array, Array]:
-    """Return what falls through 0 at the touch, and its fall per parameter: the angle of the normals, or R2 above the wheel's edge."""
-    stretch = pinion.stretch(met.u1)
-    fall = (pinion.curvature(met.u1) + wheel.curvature(met.u2)) * stretch
-    edge, shelf = kind == EDGE2, kind == SHELF
-    # The curvature changes its sign on a shelf; without a slope the bracket is halved.
-    missing, fall = np.where(shelf, np.sign(met.mismatch) * fall, met.mismatch), np.where(shelf, 0.0, fall)
-    if not edge.any():
-        return missing, fall
-    x, y = met.point[:, 0] - distance, met.point[:, 1]
-    nearing = (y * np.cos(met.direction1) - x * np.sin(met.direction1)) / met.radius * stretch
-    return np.where(edge, met.radius - wheel.form_radius, missing), np.where(edge, nearing, fall)
+@functools.cache
+def kernel() -> ModuleType:
+    """Return the compiled search; the first call of a process loads the compiler (or its cached code)."""
+    from gearfem.engagement import search_kernel as module
+
+    return module
 
 
 def _first(candidates: Candidates, met: Meeting, shelf: bool = False) -> tuple[Candidates, Meeting]:

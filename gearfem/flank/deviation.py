@@ -56,6 +56,12 @@ class Deviation(Record):
     def _spline(self) -> CubicSpline:
         return CubicSpline(self.roll, self.depth)
 
+    @property
+    def cubics(self) -> tuple[float, float, Array]:
+        """First roll length and length of the cells of the spline [m], and its cubics (n - 1, 4), highest power first."""
+        cells = len(self.roll) - 1
+        return float(self.roll[0]), float(self.roll[-1] - self.roll[0]) / cells, np.ascontiguousarray(self._spline.c.T)
+
     def at(self, roll: ArrayLike) -> Array:
         """Return the depth [m] at roll lengths [m]."""
         roll = np.asarray(roll, float)

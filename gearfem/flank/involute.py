@@ -164,7 +164,7 @@ class WornInvolute(Record):
         return self.deviation.at(np.concatenate([self._samples[self._samples <= self._tip_roll], self.deviation.roll]))
 
     @cached_property
-    def _bounds(self) -> tuple[float, float]:
+    def bounds(self) -> tuple[float, float]:
         """Least and largest s - q up to the tip circle; past the tip's roll length the depth goes on straight."""
         slope, slack = float(self.deviation.slope(self._samples[-1])), 1e-3 * self.gear.module
         straight = float(self.deviation.at(self._tip_roll)) / (1.0 - slope)
@@ -183,7 +183,7 @@ class WornInvolute(Record):
         return self._solve(form_roll)
 
     def _solve(self, inner: float) -> float:
-        low, high = self._bounds
+        low, high = self.bounds
         return float(brentq(lambda roll: float(self._inner(roll)) - inner, inner + low, inner + high, xtol=1e-17))
 
     def end(self, start: float) -> tuple[float, float]:
@@ -240,7 +240,7 @@ class WornInvolute(Record):
     def roll_at(self, radius: Array) -> Array:
         """Return the roll lengths at radii [m] not below that of the form circle."""
         inner = np.sqrt(radius**2 - self.gear.base_radius**2)
-        low, high = inner + self._bounds[0], inner + self._bounds[1]
+        low, high = inner + self.bounds[0], inner + self.bounds[1]
         roll: Array = np.clip(inner + self.deviation.at(inner), low, high)
         for _ in range(ITERATIONS):
             missing = inner - self._inner(roll)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +22,30 @@ ROOT, FILLET, FLANK, ROUND, TIP, END = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 LOADED_END = 3.5
 # A turn of the outline between fillet and flank [rad] that is rounding and no edge.
 SMALLEST_EDGE = 1e-9
+
+
+class Curve(NamedTuple):
+    """Flank and tip round in plain numbers, for compiled loops; lengths in m.
+
+    The depth that is missing runs over the roll length from `first` on in cells of `step`: cubics `bends` (n, 4), highest power first.
+    Roll lengths of points exceed those of an involute of their radius by `least` to `most`.
+    """
+
+    base_radius: float
+    base_half_angle: float
+    flank_start: float
+    flank_end: float
+    form_radius: float
+    flank_end_radius: float
+    tip_radius: float
+    edge_radius: float
+    round_start: float
+    round_angle: float
+    least: float
+    most: float
+    first: float
+    step: float
+    bends: Array
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -170,6 +195,31 @@ class Outline(Record):
         return self._side.direction(np.asarray(roll, float))
 
     # ---- the curve ------------------------------------------------------------------------------
+
+    @cached_property
+    def curve(self) -> Curve:
+        """Flank and tip round in plain numbers."""
+        gear, side = self.gear, self._side
+        least, most, first, step, bends = 0.0, 0.0, 0.0, 1.0, np.zeros((1, 4))
+        if isinstance(side, WornInvolute):
+            (least, most), (first, step, bends) = side.bounds, side.deviation.cubics
+        return Curve(
+            base_radius=gear.base_radius,
+            base_half_angle=gear.base_half_angle,
+            flank_start=float(self.flank_start),
+            flank_end=float(self.flank_end),
+            form_radius=self.form_radius,
+            flank_end_radius=self.flank_end_radius,
+            tip_radius=gear.tip_radius,
+            edge_radius=gear.tip_edge_radius,
+            round_start=float(self._round_start),
+            round_angle=float(self._round_angle),
+            least=least,
+            most=most,
+            first=first,
+            step=step,
+            bends=bends,
+        )
 
     def parameter(self, roll: ArrayLike) -> Array:
         """Return u of roll lengths [m] on the flank."""

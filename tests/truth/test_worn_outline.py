@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from gearfem.engagement import search_kernel
 from gearfem.flank import Deviation, Outline
 from gearfem.foundation import Array, InputError
 
@@ -119,3 +120,19 @@ def test_deviations_that_begin_above_the_flank_are_refused(gear_factory) -> None
     gear = gear_factory(30, 2e-3, 32e-3)
     with pytest.raises(InputError, match="covers the flank"):
         Outline(gear=gear, deviation=Deviation(roll=np.linspace(8e-3, 14e-3, 50), depth=np.linspace(0.0, 20e-6, 50)))
+
+
+@pytest.mark.parametrize("depth", ["waves", "none"])
+def test_compiled_search_sees_the_same_outline(gear, worn, depth) -> None:
+    outline = worn if depth == "waves" else Outline(gear=gear)
+    u = np.concatenate([inside(2.0), inside(3.0)])
+    points, normals = outline.evaluate(u)
+    found = np.array([search_kernel.place(outline.curve, one) for one in u])
+    assert found[:, :2] == pytest.approx(points, rel=0.0, abs=1e-14 * gear.tip_radius)
+    assert found[:, 2] == pytest.approx(normals, rel=0.0, abs=1e-12)
+    bent = np.array([search_kernel.bent(outline.curve, one) for one in u])
+    assert bent[:, 0] == pytest.approx(outline.curvature(u), rel=1e-9)
+    assert bent[:, 1] == pytest.approx(outline.stretch(u), rel=1e-12)
+    radius = np.linspace(outline.form_radius, gear.tip_radius, 501)
+    at = [search_kernel.at_radius(outline.curve, one) for one in radius]
+    assert np.interp(at, u, np.hypot(*points.T)) == pytest.approx(np.interp(outline.at_radius(radius), u, np.hypot(*points.T)), rel=1e-13)
