@@ -19,6 +19,8 @@ from gearfem.foundation import Array, SolveError
 # Tip edges to start from, of the model's; compliance in series and damping to start from, in prior deviations.
 EDGES = (1.0, 0.2)
 SERIES_TRIED, DAMPING_TRIED = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0), (-1.5, 0.0, 1.5)
+# What a fit leaves of a record, over what can be expected, beyond which it may stand in the wrong place.
+LOST = 5.0
 
 
 def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS) -> Fit:
@@ -50,7 +52,7 @@ def at_rest(
         return here.fit(effects, here.prepare(effects, unknown), fresh=True)
 
     best = min(side_by_side(one, starts), key=lambda fit: fit.objective)
-    best = again(part, best.effects, best.point.unknown, best.objective)
+    best = again(part, best.effects, best.point.unknown)
     return best.effects, best.settings
 
 

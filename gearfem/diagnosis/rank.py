@@ -9,10 +9,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from gearfem.definition.setup import Member
+from gearfem.diagnosis.approach import LOST
 from gearfem.diagnosis.candidate import Candidate, View, candidate_of, scored, view_of
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.ringing import rung
 from gearfem.diagnosis.shapes import bounded, shapes_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.turning import turned, turns
@@ -25,8 +27,6 @@ from gearfem.foundation.progress import Progress, quiet
 REFINED, WORTH = 2, 5.0
 # Shapes of an effect that are looked at in motion too.
 LIKELIEST = 2
-# Part of the expected square beyond which nuisances alone may have found a wrong zero of the angle.
-LOST = 5.0
 # Part of a response that nuisances leave of an effect below which only fits tell what it is worth beside others, once nuisances stray.
 VEILED = 0.05
 # Rounds of such a fit.
@@ -142,15 +142,25 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
     if not any(record.quantity.moving for record in problem.records):
         return None
     lost = _lost(view)
-    starts = [
-        ((*base.effects, effect), place)
-        for effect in shapes_of(start, problem.campaign.setup)[:: 1 if lost else 2]
-        for place in (_elsewhere(view, effect) or [base.point.unknown])
-    ]
+    if stands(start):
+        views = [view, *(_moved(view, unknown) for unknown in _elsewhere(view, start))]
+        starts = [((*base.effects, effect), one.base.point.unknown) for one in views for effect in rung(one, start)]
+    else:
+        starts = [
+            ((*base.effects, effect), place)
+            for effect in shapes_of(start, problem.campaign.setup)
+            for place in (_elsewhere(view, effect) or [base.point.unknown])
+        ]
     found = _fits(problem, starts, 2, lost, base.objective)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]
     candidates = _candidates(view, _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost, base.objective))
     return max(candidates, key=lambda candidate: candidate.gain, default=None)
+
+
+def _moved(view: View, unknown: Array) -> View:
+    """Return the same fit under other nuisances."""
+    point = view.problem.at(view.base.effects, unknown)
+    return View(problem=view.problem, base=dataclasses.replace(view.base, point=point), freed=view.problem.freed(point))
 
 
 def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:

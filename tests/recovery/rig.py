@@ -8,6 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from gearfem.diagnosis import read_campaign
+from gearfem.diagnosis.bench import neutral
+from gearfem.diagnosis.candidate import View, view_of
+from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.problem import Problem
 from gearfem.foundation.toml import write_toml
 from gearfem.model import load_model
 from gearfem.rig import measure, read_plan
@@ -41,6 +46,14 @@ def on_the_rig(folder: Path, hidden: dict[str, Any], plan: dict[str, Any] = PLAN
     true = load_model(folder / "true.toml")
     measure(true, read_plan(folder / "plan.toml", true.pair), NOMINAL, folder / "rig")
     return folder / "rig" / "campaign.toml"
+
+
+def beside_nuisances(folder: Path, hidden: dict[str, Any], records: list[dict[str, Any]]) -> View:
+    """Measure records of the nominal pair with a hidden effect, or none ({}); return them beside nuisances alone, quickly fitted."""
+    campaign = read_campaign(on_the_rig(folder, {"effect": [hidden]} if hidden else {}, PLAN | {"record": records}))
+    problem = Problem(campaign, campaign.records, tuple(measure_noise(record, campaign.setup.pair) for record in campaign.records))
+    alone = problem.fit((), problem.prepare((), problem.unknowns.of(neutral(campaign.setup.pair))))
+    return view_of(problem, alone, alone.point.weights, alone.squares)
 
 
 def runout_off_the_rig(folder: Path, eccentricity: float) -> Path:

@@ -7,11 +7,7 @@ from typing import Any
 
 import pytest
 
-from gearfem.diagnosis import parameters, read_campaign
-from gearfem.diagnosis.bench import neutral
-from gearfem.diagnosis.candidate import view_of
-from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis import parameters
 from gearfem.diagnosis.turning import MULTIPLES, turned, turns
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
@@ -19,16 +15,14 @@ from gearfem.effects.runout import Runout
 from gearfem.effects.torque_ripple import TorqueRipple
 from gearfem.foundation.units import UM
 from gearfem.model import make_setup
-from tests.recovery.rig import NOMINAL, PLAN, on_the_rig
+from tests.recovery.rig import NOMINAL, PLAN, beside_nuisances
 
 
 def found(folder: Path, hidden: dict[str, Any]) -> list[Effect]:
     """Return what is found of a hidden effect of the pinion beside nuisances alone."""
-    plan = PLAN | {"record": [record for record in PLAN["record"] if record["pinion_torque_Nm"] in (6.0, 120.0)]}
-    campaign = read_campaign(on_the_rig(folder, {"effect": [{"gear": "pinion"} | hidden]}, plan))
-    problem = Problem(campaign, campaign.records, tuple(measure_noise(record, campaign.setup.pair) for record in campaign.records))
-    alone = problem.fit((), problem.prepare((), problem.unknowns.of(neutral(campaign.setup.pair))))
-    return turned(view_of(problem, alone, alone.point.weights, alone.squares), catalogue()[hidden["name"]].example(campaign.setup))
+    records = [record for record in PLAN["record"] if record["pinion_torque_Nm"] in (6.0, 120.0)]
+    view = beside_nuisances(folder, {"gear": "pinion"} | hidden, records)
+    return turned(view, catalogue()[hidden["name"]].example(view.problem.campaign.setup))
 
 
 def test_an_order_beyond_the_first_few_is_found_with_its_phase(tmp_path: Path) -> None:
