@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import dataclasses
 import math
 from collections.abc import Iterator
@@ -28,8 +29,10 @@ ROUNDS, SETTLED, EXACT = 9, 1.0, 3
 # What is added to the squares of all columns, in parts of them, until a step helps.
 DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 DIFFERENCE = 0.03
-# Rounds of fits prepared anew, and the share of the objective that one must have gained for another.
-AGAIN, WORTH = 3, 0.01
+# Times that a fit is prepared anew at most, rounds of each, and times in a row that it may end worse than before.
+AGAIN, NEARBY, WORSE = 4, 4, 2
+# Rounds in which weights from nearby are brought up to what each record deserves.
+WEIGHED = 3
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -70,7 +73,13 @@ class Fit(Record):
 
 
 def fit(
-    problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf, fresh: bool = False
+    problem: Problem,
+    effects: tuple[Effect, ...],
+    unknown: Array,
+    rounds: int = ROUNDS,
+    hopeless: float = np.inf,
+    fresh: bool = False,
+    weights: Array | None = None,
 ) -> Fit:
     """Fit the parameters of effects and all nuisances.
 
@@ -88,6 +97,8 @@ def fit(
         Objective that a fit must promise to reach; one that will not is given up where it stands.
     fresh : bool
         Whether the derivatives over scales and zero are taken where a round stands rather than by `Problem.prepare`, at ten times the cost.
+    weights : ndarray, shape (r,), optional
+        What each record counts at first, where that is known from nearby; by default as in `Problem.at`.
 
     Returns
     -------
@@ -105,11 +116,11 @@ def fit(
     and Marquardt's), since scales do nearly the work of effects and valleys are narrow. Derivatives are corrected by what each step shows,
     and taken again every third round and before the fit ends. Columns of what is linear are those of the last `prepare`.
     """
-    point = problem.at(effects, unknown)
+    point = problem.at(effects, unknown, weights, WEIGHED)
     derivatives, exact = jacobian(problem, point, fresh), True
     for number in range(rounds):
         ahead = _ahead(problem, point, derivatives)
-        gained, small = point.objective - ahead.objective, SETTLED + 1e-4 * point.objective
+        gained, small = point.objective - ahead.objective, _little(point.objective)
         if (gained < small and exact) or (number > 0 and point.objective - 3.0 * gained > hopeless):
             point = ahead
             break
@@ -131,18 +142,34 @@ def fit(
     )
 
 
-def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, before: float = np.inf) -> Fit:
-    """Return the fit of effects from nuisances on, prepared where it stands and with all derivatives taken there, until that gains little.
+def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> Fit:
+    """Return the fit of effects from nuisances on, the problem prepared anew where it ends until that gains little; the best end counts.
 
-    Near a resonance motions bend so much that one round ends far from where its derivatives were true. The problem stays prepared where the
-    last round began.
+    The columns of what is linear change along the way: near a resonance, and where load passes from tooth to tooth. What a fit with the
+    columns of its start promises may not hold where it ends (`Problem.attained`), and yet lie on the way to a better place. The problem
+    stays prepared where the fit stands that is returned.
     """
+    # Index errors first: what they cost from where effects have not moved them is no measure of what follows.
+    point = problem.at(effects, problem.prepare(effects, unknown))
+    least, worse = np.inf, 0
     for _ in range(AGAIN):
-        found = fit(problem, effects, problem.prepare(effects, unknown), fresh=True)
-        if before - found.objective < WORTH * found.objective:
+        here = copy.copy(problem)
+        unknown = here.prepare(point.effects, point.unknown)
+        attained = here.attained(point.effects, unknown, point.weights)
+        worse = 0 if attained < least else worse + 1
+        if attained < least:
+            least, best, there = attained, point, here
+        ahead = fit(here, point.effects, unknown, NEARBY, weights=point.weights)
+        if worse == WORSE or attained - ahead.objective < _little(attained):
             break
-        before, effects, unknown = found.objective, found.effects, found.point.unknown
-    return found
+        point = ahead.point
+    problem.__dict__.update(there.__dict__)
+    return fit(problem, best.effects, best.unknown, 0, weights=best.weights)
+
+
+def _little(objective: float) -> float:
+    """Return what is too little to go on for."""
+    return SETTLED + 1e-4 * objective
 
 
 def jacobian(problem: Problem, point: Point, fresh: bool = False) -> Array:

@@ -44,7 +44,7 @@ class Marginal(Record):
 
     @cached_property
     def _factor(self) -> Any:
-        total = np.eye(self.columns[0].shape[1])
+        total = np.eye(len(self.products[0]))
         for weight, product in zip(self.weights, self.products, strict=True):
             total += weight * product
         return cho_factor(total, overwrite_a=True, check_finite=False)
@@ -59,6 +59,10 @@ class Marginal(Record):
         """Return the first unknowns alone; their columns and products are not copied."""
         columns = tuple(part[:, :count] for part in self.columns)
         return dataclasses.replace(self, columns=columns, products=tuple(product[:count, :count] for product in self.products))
+
+    def some(self, places: NDArray[Any]) -> Marginal:
+        """Return the unknowns at some places alone, to settle by their products; they have no columns."""
+        return dataclasses.replace(self, columns=(), products=tuple(product[np.ix_(places, places)] for product in self.products))
 
     def weighed(self, weights: Array) -> Marginal:
         """Return the same columns with other weights; a fit tries its steps under the same ones, which are factorised once."""

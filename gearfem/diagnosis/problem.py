@@ -185,8 +185,28 @@ class Problem:
             residual=residual,
             index=index,
             weights=deserved,
-            objective=float(cost.sum() + solved @ solved + outer @ outer + self.detected * (self.strayed(outer) ** 2).sum()),
+            objective=float(cost.sum() + solved @ solved + outer @ outer) + self._price(outer),
         )
+
+    def attained(self, effects: tuple[Effect, ...], unknown: Array, weights: Array) -> float:
+        """Return the objective with the index errors that unknowns hold, where `at` moves them as if all were linear in them.
+
+        Weights (r,) are those of a point nearby.
+        """
+        late = np.zeros(len(unknown), bool)
+        late[self.unknowns.late] = True
+        still = np.flatnonzero(~late[self.outer :])
+        misfit = self.whiten(tuple(record.value - part for record, part in zip(self.records, self.predict(effects, unknown), strict=True)))
+        rest, pulls, squares = self.linear.some(still), self.linear.pulls(misfit)[:, still], self.squares(misfit)
+        for _ in range(3):
+            solved, left = rest.weighed(weights).settle(pulls, squares)
+            cost, weights = profile(left, self.counts, self.floor, self.memory)
+        fixed = np.concatenate([unknown[: self.outer], unknown[late]])
+        return float(cost.sum() + solved @ solved + fixed @ fixed) + self._price(unknown)
+
+    def _price(self, unknown: Array) -> float:
+        """Return what scales cost that stray."""
+        return float(self.detected * (self.strayed(unknown) ** 2).sum())
 
     def left_at(self, effects: tuple[Effect, ...], unknown: Array) -> float:
         """Return the objective at a point, see `at`; infinity where there is none."""

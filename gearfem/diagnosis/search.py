@@ -25,6 +25,8 @@ PARAMETER = 8.0
 # A further name must gain this share of what the first ones did where it acts as one of them does: less is the difference between their
 # shapes and the real ones, which other effects do not imitate as well.
 FURTHER, FURTHER_OTHER = 0.05, 0.01
+# What it must gain at least: fits of the same effects end up to so far apart, by where they begin.
+FURTHER_LEAST = 100.0
 # An effect is named from twice the strength on at which errors of our model imitate it.
 MIMICKED = 0.5
 # Most effects of an explanation.
@@ -88,7 +90,7 @@ class Search:
         first = min((fit for fit in fits if fit.effects), key=self.score, default=None)
 
         def one(fit: Fit) -> Fit:
-            found = again(copy.copy(self.problem), fit.effects, fit.point.unknown, fit.objective)
+            found = again(copy.copy(self.problem), fit.effects, fit.point.unknown)
             if fit is not first or (found.squares / self.problem.floor).max() < FAR:
                 return found
             try:
@@ -140,7 +142,9 @@ class Search:
     def best(self, most: int = MOST) -> Fit:
         """Return the fit of the best score that may be named; effects beside the first pay for themselves too."""
         least = min(fit.objective for fit in self.fits.values())
-        like, other = (max(self.problem.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER))
+        like, other = (
+            max(FURTHER_LEAST, self.problem.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER)
+        )
 
         def price(fit: Fit) -> float:
             ways = len({way_of(effect) for effect in fit.effects})
