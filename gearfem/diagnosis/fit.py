@@ -151,18 +151,20 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> Fit:
     """
     # Index errors first: what they cost from where effects have not moved them is no measure of what follows.
     point = problem.at(effects, problem.prepare(effects, unknown))
-    least, worse = np.inf, 0
-    for _ in range(AGAIN):
-        here = copy.copy(problem)
-        unknown = here.prepare(point.effects, point.unknown)
-        attained = here.attained(point.effects, unknown, point.weights)
-        worse = 0 if attained < least else worse + 1
-        if attained < least:
-            least, best, there = attained, point, here
-        ahead = fit(here, point.effects, unknown, NEARBY, weights=point.weights)
-        if worse == WORSE or attained - ahead.objective < _little(attained):
-            break
-        point = ahead.point
+    least, worse, best, there = np.inf, 0, point, copy.copy(problem)
+    # Where a round ends that cannot be computed, those before it count.
+    with contextlib.suppress(InputError, SolveError):
+        for _ in range(AGAIN):
+            here = copy.copy(problem)
+            unknown = here.prepare(point.effects, point.unknown)
+            attained = here.attained(point.effects, unknown, point.weights)
+            worse = 0 if attained < least else worse + 1
+            if attained < least:
+                least, best, there = attained, point, here
+            ahead = fit(here, point.effects, unknown, NEARBY, weights=point.weights)
+            if worse == WORSE or attained - ahead.objective < _little(attained):
+                break
+            point = ahead.point
     problem.__dict__.update(there.__dict__)
     return fit(problem, best.effects, best.unknown, 0, weights=best.weights)
 

@@ -143,8 +143,10 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
         return None
     lost = _lost(view)
     if stands(start):
-        views = [view, *(_moved(view, unknown) for unknown in _elsewhere(view, start))]
-        starts = [((*base.effects, effect), one.base.point.unknown) for one in views for effect in rung(one, start)]
+        starts = []
+        for unknown in (base.point.unknown, *_elsewhere(view, start)):
+            with contextlib.suppress(InputError, SolveError):
+                starts += [((*base.effects, effect), unknown) for effect in rung(_moved(view, unknown), start)]
     else:
         starts = [
             ((*base.effects, effect), place)
@@ -158,7 +160,9 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
 
 
 def _moved(view: View, unknown: Array) -> View:
-    """Return the same fit under other nuisances."""
+    """Return the same fit under other nuisances, or its own."""
+    if unknown is view.base.point.unknown:
+        return view
     point = view.problem.at(view.base.effects, unknown)
     return View(problem=view.problem, base=dataclasses.replace(view.base, point=point), freed=view.problem.freed(point))
 

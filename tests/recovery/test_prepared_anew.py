@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.fit import again
+from gearfem.diagnosis.problem import Problem
+from gearfem.foundation import Array, SolveError
 from tests.recovery.rig import PLAN, beside_nuisances
 
 
@@ -20,3 +24,20 @@ def test_what_a_fit_prepared_anew_promises_holds(tmp_path: Path) -> None:
     assert found.objective <= attained < before
     # Index errors have settled: what they would still promise if all were linear in them is next to nothing.
     assert attained - found.objective < 0.02 * (before - attained)
+
+
+def test_where_a_round_ends_that_cannot_be_computed_the_one_before_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = beside_nuisances(tmp_path, {}, [PLAN["record"][0], PLAN["record"][-1]]).problem
+    start = problem.unknowns.of(neutral(problem.campaign.setup.pair))
+    prepare, prepared = Problem.prepare, []
+
+    def twice(self: Problem, effects: tuple[()], unknown: Array) -> Array:
+        prepared.append(unknown)
+        if len(prepared) > 2:
+            raise SolveError("no third time")
+        return prepare(self, effects, unknown)
+
+    monkeypatch.setattr(Problem, "prepare", twice)
+    found = again(problem, (), start)
+    assert len(prepared) == 3
+    assert found.objective < problem.attained((), prepared[0], found.point.weights)
