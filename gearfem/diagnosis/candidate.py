@@ -10,13 +10,11 @@ import numpy as np
 
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.marginal import WEIGHED
 from gearfem.diagnosis.problem import Freed, Problem
 from gearfem.diagnosis.shapes import bounded
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
-
-# Rounds in which the weights of records settle.
-WEIGHED = 4
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,6 +15,7 @@ from scipy.optimize import lsq_linear
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.marginal import WEIGHED
 from gearfem.diagnosis.model_form import SHAPE
 from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.straying import halves
@@ -31,8 +32,6 @@ DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 DIFFERENCE = 0.03
 # Times that a fit is prepared anew at most, rounds of each, and times in a row that it may end worse than before.
 AGAIN, NEARBY, WORSE = 4, 4, 2
-# Rounds in which weights from nearby are brought up to what each record deserves.
-WEIGHED = 3
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,13 +72,7 @@ class Fit(Record):
 
 
 def fit(
-    problem: Problem,
-    effects: tuple[Effect, ...],
-    unknown: Array,
-    rounds: int = ROUNDS,
-    hopeless: float = np.inf,
-    fresh: bool = False,
-    weights: Array | None = None,
+    problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf, fresh: bool = False
 ) -> Fit:
     """Fit the parameters of effects and all nuisances.
 
@@ -97,8 +90,6 @@ def fit(
         Objective that a fit must promise to reach; one that will not is given up where it stands.
     fresh : bool
         Whether the derivatives over scales and zero are taken where a round stands rather than by `Problem.prepare`, at ten times the cost.
-    weights : ndarray, shape (r,), optional
-        What each record counts at first, where that is known from nearby; by default as in `Problem.at`.
 
     Returns
     -------
@@ -116,7 +107,11 @@ def fit(
     and Marquardt's), since scales do nearly the work of effects and valleys are narrow. Derivatives are corrected by what each step shows,
     and taken again every third round and before the fit ends. Columns of what is linear are those of the last `prepare`.
     """
-    point = problem.at(effects, unknown, weights, WEIGHED)
+    return _from(problem, problem.at(effects, unknown), rounds, hopeless, fresh)
+
+
+def _from(problem: Problem, point: Point, rounds: int, hopeless: float = np.inf, fresh: bool = False) -> Fit:
+    """Return the fit from a point on, see `fit`; without rounds that of the point itself."""
     derivatives, exact = jacobian(problem, point, fresh), True
     for number in range(rounds):
         ahead = _ahead(problem, point, derivatives)
@@ -156,17 +151,17 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> Fit:
     with contextlib.suppress(InputError, SolveError):
         for _ in range(AGAIN):
             here = copy.copy(problem)
-            unknown = here.prepare(point.effects, point.unknown)
-            attained = here.attained(point.effects, unknown, point.weights)
+            point = here.at(point.effects, here.prepare(point.effects, point.unknown), point.weights, WEIGHED)
+            attained = here.attained(point)
             worse = 0 if attained < least else worse + 1
             if attained < least:
                 least, best, there = attained, point, here
-            ahead = fit(here, point.effects, unknown, NEARBY, weights=point.weights)
+            ahead = _from(here, point, NEARBY)
             if worse == WORSE or attained - ahead.objective < _little(attained):
                 break
             point = ahead.point
     problem.__dict__.update(there.__dict__)
-    return fit(problem, best.effects, best.unknown, 0, weights=best.weights)
+    return _from(problem, best, 0)
 
 
 def _little(objective: float) -> float:

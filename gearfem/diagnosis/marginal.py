@@ -15,6 +15,8 @@ from gearfem.foundation import Array, Record
 
 # Weights under which columns stay factorised.
 KEPT = 4
+# Rounds in which the weights of a point nearby are brought up to what each record deserves.
+WEIGHED = 4
 # Rows that are multiplied at once where at most this share of the columns is not zero: teeth out of contact do nothing to slow records.
 RUN, SPARSE = 64, 0.3
 

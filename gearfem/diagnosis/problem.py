@@ -14,7 +14,7 @@ from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.columns import make_columns
 from gearfem.diagnosis.fit import ROUNDS, Fit, fit
-from gearfem.diagnosis.marginal import Marginal, memory_of, profile
+from gearfem.diagnosis.marginal import WEIGHED, Marginal, memory_of, profile
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import slopes
 from gearfem.diagnosis.point import Point
@@ -173,11 +173,8 @@ class Problem:
         index[self.unknowns.late] = unknown[self.unknowns.late]
         index = index[self.outer :]
         residual = self._residual(predicted, unknown[self.unknowns.late])
-        deserved, rounds = (np.ones(len(self.records)), 3) if weights is None else (weights, rounds)
-        pulls, squares = self.linear.pulls(residual), self.squares(residual)
-        for _ in range(rounds):
-            solved, left = self.linear.weighed(deserved).settle(pulls, squares)
-            cost, deserved = profile(left, self.counts, self.floor, self.memory)
+        given, rounds = (np.ones(len(self.records)), 3) if weights is None else (weights, rounds)
+        solved, cost, deserved = self._weigh(self.linear, self.linear.pulls(residual), self.squares(residual), given, rounds)
         return Point(
             effects=effects,
             unknown=np.concatenate([outer, solved]),
@@ -185,24 +182,26 @@ class Problem:
             residual=residual,
             index=index,
             weights=deserved,
-            objective=float(cost.sum() + solved @ solved + outer @ outer) + self._price(outer),
+            objective=cost + float(solved @ solved + outer @ outer) + self._price(outer),
         )
 
-    def attained(self, effects: tuple[Effect, ...], unknown: Array, weights: Array) -> float:
-        """Return the objective with the index errors that unknowns hold, where `at` moves them as if all were linear in them.
-
-        Weights (r,) are those of a point nearby.
-        """
-        late = np.zeros(len(unknown), bool)
+    def attained(self, point: Point) -> float:
+        """Return the objective at a point with the index errors that its prediction holds, where `at` moves them as if all were linear."""
+        late = np.zeros(len(point.unknown), bool)
         late[self.unknowns.late] = True
-        still = np.flatnonzero(~late[self.outer :])
-        misfit = self.whiten(tuple(record.value - part for record, part in zip(self.records, self.predict(effects, unknown), strict=True)))
-        rest, pulls, squares = self.linear.some(still), self.linear.pulls(misfit)[:, still], self.squares(misfit)
-        for _ in range(3):
-            solved, left = rest.weighed(weights).settle(pulls, squares)
+        held, still = point.stood[late], np.flatnonzero(~late[self.outer :])
+        misfit = point.residual - self.lateness @ held
+        pulls = self.linear.pulls(misfit)[:, still]
+        solved, cost, _ = self._weigh(self.linear.some(still), pulls, self.squares(misfit), point.weights, WEIGHED)
+        fixed = np.concatenate([point.unknown[: self.outer], held])
+        return cost + float(solved @ solved + fixed @ fixed) + self._price(point.unknown)
+
+    def _weigh(self, linear: Marginal, pulls: Array, squares: Array, weights: Array, rounds: int) -> tuple[Array, float, Array]:
+        """Return the linear unknowns that leave least, what records cost then, and what each deserves to count (r,), from weights on."""
+        for _ in range(rounds):
+            solved, left = linear.weighed(weights).settle(pulls, squares)
             cost, weights = profile(left, self.counts, self.floor, self.memory)
-        fixed = np.concatenate([unknown[: self.outer], unknown[late]])
-        return float(cost.sum() + solved @ solved + fixed @ fixed) + self._price(unknown)
+        return solved, float(cost.sum()), weights
 
     def _price(self, unknown: Array) -> float:
         """Return what scales cost that stray."""

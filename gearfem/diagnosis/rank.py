@@ -144,9 +144,10 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
     lost = _lost(view)
     if stands(start):
         starts = []
-        for unknown in (base.point.unknown, *_elsewhere(view, start)):
+        for unknown in (None, *_elsewhere(view, start)):
             with contextlib.suppress(InputError, SolveError):
-                starts += [((*base.effects, effect), unknown) for effect in rung(_moved(view, unknown), start)]
+                one = view if unknown is None else _moved(view, unknown)
+                starts += [((*base.effects, effect), one.base.point.unknown) for effect in rung(one, start)]
     else:
         starts = [
             ((*base.effects, effect), place)
@@ -160,9 +161,7 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
 
 
 def _moved(view: View, unknown: Array) -> View:
-    """Return the same fit under other nuisances, or its own."""
-    if unknown is view.base.point.unknown:
-        return view
+    """Return the same fit under other nuisances."""
     point = view.problem.at(view.base.effects, unknown)
     return View(problem=view.problem, base=dataclasses.replace(view.base, point=point), freed=view.problem.freed(point))
 

@@ -11,14 +11,14 @@ from scipy.interpolate import CubicSpline
 
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.candidate import View
-from gearfem.diagnosis.shapes import shapes_of
+from gearfem.diagnosis.shapes import FREQUENCIES, shapes_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array
 from gearfem.sensing import Instrument
 from gearfem.sensing.motion import RINGING_ANGLES
 
-# Natural frequencies that are tried [Hz], closer to each other than the narrowest peak is wide; and multiples of the typical ratio.
-FREQUENCIES, RATIOS = np.geomspace(200.0, 10000.0, 80), (0.3, 1.0, 3.0)
+# Natural frequencies that are tried, closer to each other than the narrowest peak is wide; and multiples of the typical ratio.
+COUNT, RATIOS = 80, (0.3, 1.0, 3.0)
 # Resonances that are looked at further, and by what their frequencies differ at least; pitches before a record in which they swing in.
 LIKELIEST, APART, BEFORE = 3, 1.25, 300
 
@@ -68,7 +68,7 @@ def _resonances(start: Effect) -> list[tuple[float, Effect]]:
     (frequency,) = (field for field, one in known.items() if one.reciprocal)
     others = [field for field in known if field != frequency]
     found = []
-    for value, *shares in itertools.product(FREQUENCIES.tolist(), *([RATIOS] * len(others))):
+    for value, *shares in itertools.product(np.geomspace(*FREQUENCIES, COUNT).tolist(), *([RATIOS] * len(others))):
         changes = {field: share * getattr(start, field) for field, share in zip(others, shares, strict=True)}
         found.append((value, dataclasses.replace(start, **{frequency: value, **changes})))
     return found

@@ -12,8 +12,8 @@ from gearfem.effects.effect import Effect, Parameter
 
 # Further strengths at which an effect of all teeth is tried, as multiples of the typical one.
 DEEP, WIDE = (4.0, 16.0), (0.4, 2.5, 6.0)
-# Natural frequencies at which a resonance is tried [Hz].
-FREQUENCIES = 500.0, 8000.0
+# Natural frequencies between which a resonance is tried [Hz].
+FREQUENCIES = 200.0, 10000.0
 
 
 def bounded(effect: Effect, setup: Setup) -> Effect:

@@ -15,6 +15,8 @@ from gearfem.foundation import Array
 # Pinion points on flank and round; points over the wheel's round; within a candidate; of the table that ranks them.
 ON_FLANK, ON_ROUND, OVER_ROUND, ZOOMED, RANKED = 193, 49, 65, 17, (1025, 257)
 TANGENT, EDGE1, EDGE2, SHELF = 0, 1, 2, 3
+# Stands for the angle between the normals where the wheel has no point; at the edge of an undercut tooth it exceeds a radian.
+NOWHERE = np.pi
 
 
 class Candidates(NamedTuple):

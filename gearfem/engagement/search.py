@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gearfem.engagement.candidates import EDGE1, EDGE2, SHELF, TANGENT, Candidates, find_candidates, taken
+from gearfem.engagement.candidates import EDGE1, EDGE2, NOWHERE, SHELF, TANGENT, Candidates, find_candidates, taken
 from gearfem.engagement.corners import Touch, rigid_ratio
 from gearfem.flank import Outline
 from gearfem.flank.outline import FLANK, LOADED_END, ROUND
@@ -24,8 +24,6 @@ APART = 0.05
 PARALLEL = 1e-9
 # Those on a shelf may differ by so much [rad].
 SLOPING = 0.05
-# Stands for their difference where the wheel has no point; at the edge of an undercut tooth normals differ by more than a radian.
-NOWHERE = np.pi
 
 
 class Meeting(NamedTuple):

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from gearfem.engagement.candidates import EDGE2, SHELF
+from gearfem.engagement.candidates import EDGE2, NOWHERE, SHELF
 from gearfem.engagement.turn_kernels import compiled, inlined
 from gearfem.flank.outline import FLANK, ROUND
 
 ITERATIONS, SMALLEST_STEP = 100, 1e-12
-# Stands for the angle between the normals where the wheel has no point; at the edge of an undercut tooth it exceeds a radian.
-NOWHERE = math.pi
 
 
 @inlined

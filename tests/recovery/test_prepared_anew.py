@@ -17,10 +17,9 @@ def test_what_a_fit_prepared_anew_promises_holds(tmp_path: Path) -> None:
     hidden = {"name": "tip_relief", "gear": "wheel", "amount_um": 6.0, "length_mm": 2.0}
     problem = beside_nuisances(tmp_path, hidden, [PLAN["record"][0], PLAN["record"][-1]]).problem
     start = problem.prepare((), problem.unknowns.of(neutral(problem.campaign.setup.pair)))
-    weights = problem.at((), start).weights
-    before = problem.attained((), start, weights)
+    before = problem.attained(problem.at((), start))
     found = again(problem, (), start)
-    attained = problem.attained(found.effects, found.point.stood, found.point.weights)
+    attained = problem.attained(found.point)
     assert found.objective <= attained < before
     # Index errors have settled: what they would still promise if all were linear in them is next to nothing.
     assert attained - found.objective < 0.02 * (before - attained)
@@ -40,4 +39,5 @@ def test_where_a_round_ends_that_cannot_be_computed_the_one_before_counts(tmp_pa
     monkeypatch.setattr(Problem, "prepare", twice)
     found = again(problem, (), start)
     assert len(prepared) == 3
-    assert found.objective < problem.attained((), prepared[0], found.point.weights)
+    monkeypatch.undo()
+    assert found.objective < problem.attained(problem.at((), problem.prepare((), start)))
