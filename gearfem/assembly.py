@@ -20,6 +20,7 @@ from gearfem.foundation import InputError
 from gearfem.foundation.cache import remembered
 from gearfem.placement import Placement, make_placement
 from gearfem.sensing import Instrument, System
+from gearfem.variants import VARIANTS, varied
 
 Stated = TypeVar("Stated")
 
@@ -81,17 +82,19 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
         wheel_inertia=drive.wheel_inertia * fitted.inertia_scale,
     )
     drive = _act(drive, of("drive"), bare)
-    return System(
+    system = System(
         setup=setup,
         # The compliance stays that of the model's tip edges: its table begins and ends with rounds that move by a hundredth of the flank.
         flanks=flanks.edged(fitted.tip_edge_scale),
-        compliance=_softer(compliance.coupled(fitted.coupling_scale), 1.0 / fitted.stiffness_scale),
+        compliance=compliance.coupled(fitted.coupling_scale),
         placement=placement,
         law=_act(law, of("contact"), bare),
         # A fitted scale belongs to the damping that the effects leave, as its fit has it.
         drive=dataclasses.replace(drive, damping_ratio=drive.damping_ratio * fitted.damping_scale),
         instrument=_act(Instrument(gain=fitted.gain), of("sensing"), bare),
     )
+    system = varied(system, (getattr(fitted, variant.name) for variant in VARIANTS))
+    return dataclasses.replace(system, compliance=_softer(system.compliance, 1.0 / fitted.stiffness_scale))
 
 
 def effects_in(setup: Setup) -> tuple[Effect, ...]:

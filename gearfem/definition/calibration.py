@@ -29,6 +29,12 @@ class Calibration(Record):
         What neighbour teeth feel through the bodies, true over computed; the rest is the loaded tooth's own deflection.
     tip_edge_scale : float
         Radius of the tip edges, true over that of the model.
+    contact_scale, body_scale, depth_scale : float
+        Compliance of the contact and of the gear bodies, and depth down to which the contact yields, true over those of model and effects.
+    friction : float
+        Coefficient of tooth friction beside that of model and effects.
+    misalignment, centre_distance : float
+        By how much the gap opens over the face width, and the gears stand farther apart, than model and effects say [m].
     angle_offset : float
         Pinion angle of the model at which measured angles are 0 [rad].
     pinion_late, wheel_late : ndarray, shapes (z1,), (z2,) or (0,)
@@ -45,6 +51,12 @@ class Calibration(Record):
     series_compliance: float = 0.0
     coupling_scale: float = 1.0
     tip_edge_scale: float = 1.0
+    contact_scale: float = 1.0
+    body_scale: float = 1.0
+    depth_scale: float = 1.0
+    friction: float = 0.0
+    misalignment: float = 0.0
+    centre_distance: float = 0.0
     angle_offset: float = 0.0
     pinion_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
     wheel_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))

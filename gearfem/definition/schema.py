@@ -144,6 +144,12 @@ class CalibrationTable(Table):
     series_compliance_um_per_N: Annotated[float, Field(ge=-1.0, le=1.0)] = 0.0
     coupling_scale: Annotated[float, Field(ge=0.0, le=3.0)] = 1.0
     tip_edge_scale: Annotated[float, Field(ge=0.01, le=3.0)] = 1.0
+    contact_compliance_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
+    body_compliance_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
+    contact_depth_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
+    friction_coefficient: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    misalignment_um: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
+    centre_distance_um: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
     angle_offset_rad: Annotated[float, Field(ge=-10.0, le=10.0)] = 0.0
     pinion_index_error_um: list[Late] = []
     wheel_index_error_um: list[Late] = []

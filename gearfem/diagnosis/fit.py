@@ -31,7 +31,9 @@ ROUNDS, SETTLED, EXACT = 9, 1.0, 3
 DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 DIFFERENCE = 0.03
 # Times that a fit is prepared anew at most, rounds of each, and times in a row that it may end worse than before.
-AGAIN, NEARBY, WORSE = 4, 4, 2
+AGAIN, NEARBY, WORSE = 8, 2, 2
+# Parts of the way to where a round ends that are tried.
+SHARES = 1.0, 0.5, 0.25
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -145,23 +147,39 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> Fit:
     stays prepared where the fit stands that is returned.
     """
     # Index errors first: what they cost from where effects have not moved them is no measure of what follows.
-    point = problem.at(effects, problem.prepare(effects, unknown))
-    least, worse, best, there = np.inf, 0, point, copy.copy(problem)
+    best = problem.at(effects, problem.prepare(effects, unknown))
+    effects, unknown, weights = best.effects, best.unknown, best.weights
+    least, worse, there = np.inf, 0, copy.copy(problem)
     # Where a round ends that cannot be computed, those before it count.
     with contextlib.suppress(InputError, SolveError):
         for _ in range(AGAIN):
             here = copy.copy(problem)
-            point = here.at(point.effects, here.prepare(point.effects, point.unknown), point.weights, WEIGHED)
+            point = here.at(effects, here.prepare(effects, unknown), weights, WEIGHED)
             attained = here.attained(point)
-            worse = 0 if attained < least else worse + 1
+            worse = 0 if attained < least - _little(least) else worse + 1
             if attained < least:
                 least, best, there = attained, point, here
-            ahead = _from(here, point, NEARBY)
+            ahead = _from(here, point, NEARBY).point
             if worse == WORSE or attained - ahead.objective < _little(attained):
                 break
-            point = ahead.point
+            nearer = _part_way(here, point, ahead, attained)
+            if nearer is None:
+                break
+            effects, unknown, weights = nearer
     problem.__dict__.update(there.__dict__)
     return _from(problem, best, 0)
+
+
+def _part_way(problem: Problem, point: Point, ahead: Point, attained: float) -> tuple[tuple[Effect, ...], Array, Array] | None:
+    """Return effects, unknowns and weights as far on the way from one point to another as less is attained; None if it is nowhere."""
+    values, way = parameters.values(point.effects), parameters.values(ahead.effects)
+    for share in SHARES:
+        effects = parameters.moved(point.effects, values + share * (way - values))
+        unknown = point.stood + share * (ahead.unknown - point.stood)
+        there = problem.at(effects, unknown, ahead.weights, WEIGHED)
+        if problem.attained(there) < attained:
+            return effects, unknown, there.weights
+    return None
 
 
 def _little(objective: float) -> float:

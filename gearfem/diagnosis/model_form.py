@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -17,6 +18,8 @@ from gearfem.foundation.units import UM
 # Form errors that all teeth of a gear share, beside the waviness of each: of a sound flank, and as a share of what is missing from it,
 # since no relief, wear or slope has quite the shape that its name stands for.
 COMMON_FORM, SHAPE = 0.1 * UM, 0.1
+# Step of derivatives over errors of the model, in standard deviations: forward, their response bends little in it.
+STEP = 0.5
 
 
 def model_form(record: Measurement, bench: SystemBench, settings: Settings, here: Array, teeth: Array, scatter: Scatter) -> Array:
@@ -40,10 +43,20 @@ def model_form(record: Measurement, bench: SystemBench, settings: Settings, here
     Returns
     -------
     ndarray, shape (n, v + 2 terms)
-        One column for each variant of the model, then the form errors that all teeth of the pinion, and of the wheel, share.
+        Derivatives over the errors of the model, then the form errors that all teeth of the pinion, and of the wheel, share.
     """
-    columns = [variant.predict(record, settings) - here for variant in bench.variants]
-    return np.column_stack([*columns, _common(teeth, bench, scatter)])
+    return np.column_stack([_wrong(record, bench, settings, here), _common(teeth, bench, scatter)])
+
+
+def _wrong(record: Measurement, bench: SystemBench, settings: Settings, here: Array) -> Array:
+    """Return the derivatives of a record over the errors of the model, shape (n, v)."""
+    out = np.zeros((len(record.axis), len(bench.errors)))
+    moved = settings.errors or (0.0,) * len(bench.errors)
+    for place, (variant, stands) in enumerate(zip(bench.errors, moved, strict=True)):
+        step = STEP if stands + STEP <= variant.most else -STEP
+        errors = (*moved[:place], stands + step, *moved[place + 1 :])
+        out[:, place] = (bench.predict(record, dataclasses.replace(settings, errors=errors)) - here) / step
+    return out
 
 
 def form_errors(bench: SystemBench) -> tuple[float, float]:

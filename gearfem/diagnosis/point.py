@@ -21,11 +21,11 @@ class Point(Record):
     unknown : ndarray, shape (k,)
         Nuisances in prior deviations: settings, offsets, teeth, model form.
     predicted : tuple of ndarray
-        Of each record [SI], offsets, waviness and model form left out.
+        Of each record [SI], offsets, waviness and forms common to all teeth left out.
     residual : ndarray, shape (m,)
-        Measured less predicted, whitened, the index errors put back to 0.
-    index : ndarray
-        The index errors that the prediction holds, among the linear unknowns.
+        Measured less predicted, whitened, what the prediction holds of inner unknowns put back to 0.
+    held : ndarray
+        What the prediction holds among the inner unknowns: index errors, and errors of the model.
     weights : ndarray, shape (r,)
         What a squared whitened row of each record counts here, see `profile`.
     objective : float
@@ -36,11 +36,11 @@ class Point(Record):
     unknown: Array
     predicted: tuple[Array, ...]
     residual: Array
-    index: Array
+    held: Array
     weights: Array
     objective: float
 
     @property
     def stood(self) -> Array:
-        """The unknowns of the prediction: index errors before they were solved for here, nothing else that is linear."""
-        return np.concatenate([self.unknown[: len(self.unknown) - len(self.index)], self.index])
+        """The unknowns of the prediction: those that it holds as they were before they were solved for here, else nothing linear."""
+        return np.concatenate([self.unknown[: len(self.unknown) - len(self.held)], self.held])

@@ -55,11 +55,11 @@ class Problem:
     Attributes
     ----------
     effects, stood : tuple of Effect, tuple of ndarray
-        Where it was prepared last: under which effects, and at which outer unknowns and index errors.
+        Where it was prepared last: under which effects, and at which outer unknowns and inner ones that predictions hold.
     columns : tuple of ndarray, shapes (n, i)
         Of each record over the inner unknowns in prior deviations [SI], once prepared.
-    scales, lateness : ndarray, shapes (m, outer), (m, z1 + z2)
-        Of all whitened rows over the outer unknowns, and over the index errors.
+    scales, held : ndarray, shapes (m, outer), (m, h)
+        Of all whitened rows over the outer unknowns, and over those inner ones that predictions hold.
     rise : tuple of ndarray, shapes (n,)
         What waviness is expected to add to the largest Kw of a turn, in parts of Kw - 1; 0 in all other records.
     linear, whole : Marginal
@@ -73,7 +73,7 @@ class Problem:
     stood: tuple[Array, Array]
     columns: tuple[Array, ...]
     scales: Array
-    lateness: Array
+    held: Array
     rise: tuple[Array, ...]
     linear: Marginal
     whole: Marginal
@@ -88,7 +88,7 @@ class Problem:
     ) -> None:
         self.campaign, self.records, self.noises = campaign, records, noises
         self.bench: BenchOf = bench or (lambda effects: bench_of(campaign, effects))
-        self.unknowns = unknowns_of(campaign, records, scatter or Scatter())
+        self.unknowns = unknowns_of(campaign, records, scatter or Scatter(), self.bench(()).errors)
         self.nuisances = self.unknowns.nuisances
         self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
         self.memory = np.ones(len(records))
@@ -111,9 +111,7 @@ class Problem:
         part.records, part.noises = tuple(self.records[i] for i in places), tuple(self.noises[i] for i in places)
         part.columns = tuple(self.columns[i] for i in places)
         part.rise = tuple(self.rise[i] for i in places)
-        part.scales, part.lateness = (
-            np.concatenate([whole[self.linear.rows[i]] for i in places]) for whole in (self.scales, self.lateness)
-        )
+        part.scales, part.held = (np.concatenate([whole[self.linear.rows[i]] for i in places]) for whole in (self.scales, self.held))
         part.linear, part.whole = self.linear.part(places), self.whole.part(places)
         part.floor, part.counts, part.memory = self.floor[places], self.counts[places], self.memory[places]
         return part
@@ -123,7 +121,7 @@ class Problem:
         return self.unknowns.settings(unknown)
 
     def predict(self, effects: tuple[Effect, ...], unknown: Array) -> tuple[Array, ...]:
-        """Return the records under effects and the unknowns that the model takes: scales, angle zero, index errors.
+        """Return the records under effects and the unknowns that the model takes: scales, angle zero, index errors, its own errors.
 
         The largest Kw of a turn is that which waviness is expected to leave, once prepared.
         """
@@ -139,13 +137,13 @@ class Problem:
         ndarray, shape (k,)
             The unknowns, completed by zeros where there were fewer.
         """
+        unknown = np.concatenate([unknown, np.zeros(max(self.unknowns.first_form + len(self.unknowns.errors) - len(unknown), 0))])
         self.effects, self.stood = effects, self._stands(unknown)
         self.columns, self.whole, self.rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
         inner = self.columns[0].shape[1]
         self.linear = self.whole.first(inner)
         self.scales = np.concatenate([part[:, inner:] for part in self.whole.columns])
-        late = np.arange(self.outer + inner)[self.unknowns.late] - self.outer
-        self.lateness = np.concatenate([part[:, late] for part in self.linear.columns])
+        self.held = np.concatenate([part[:, self.unknowns.held - self.outer] for part in self.linear.columns])
         return np.concatenate([unknown, np.zeros(self.outer + inner - len(unknown))])
 
     def remember(self, fit: Fit) -> None:
@@ -169,10 +167,10 @@ class Problem:
         """
         predicted = self.predict(effects, unknown)
         outer = unknown[: self.outer]
-        index = np.zeros_like(unknown)
-        index[self.unknowns.late] = unknown[self.unknowns.late]
-        index = index[self.outer :]
-        residual = self._residual(predicted, unknown[self.unknowns.late])
+        within = self.unknowns.within(unknown)
+        held = np.zeros(len(unknown) - self.outer)
+        held[self.unknowns.held - self.outer] = within
+        residual = self._residual(predicted, within)
         given, rounds = (np.ones(len(self.records)), 3) if weights is None else (weights, rounds)
         solved, cost, deserved = self._weigh(self.linear, self.linear.pulls(residual), self.squares(residual), given, rounds)
         return Point(
@@ -180,17 +178,21 @@ class Problem:
             unknown=np.concatenate([outer, solved]),
             predicted=predicted,
             residual=residual,
-            index=index,
+            held=held,
             weights=deserved,
             objective=cost + float(solved @ solved + outer @ outer) + self._price(outer),
         )
 
     def attained(self, point: Point) -> float:
-        """Return the objective at a point with the index errors that its prediction holds, where `at` moves them as if all were linear."""
-        late = np.zeros(len(point.unknown), bool)
-        late[self.unknowns.late] = True
-        held, still = point.stood[late], np.flatnonzero(~late[self.outer :])
-        misfit = point.residual - self.lateness @ held
+        """Return the objective at a point with the unknowns that its prediction holds, where `at` moves them as if all were linear.
+
+        Errors of the model beyond what it can follow are linear indeed.
+        """
+        free = self.unknowns.at_limits(point.stood)
+        places = self.unknowns.held[~free]
+        held = point.stood[places]
+        still = np.setdiff1d(np.arange(len(point.held)), places - self.outer)
+        misfit = point.residual - self.held[:, ~free] @ held
         pulls = self.linear.pulls(misfit)[:, still]
         solved, cost, _ = self._weigh(self.linear.some(still), pulls, self.squares(misfit), point.weights, WEIGHED)
         fixed = np.concatenate([point.unknown[: self.outer], held])
@@ -222,7 +224,7 @@ class Problem:
 
     def left(self, point: Point) -> tuple[Array, ...]:
         """Return what a point leaves of each record [SI]: measured less predicted, offsets, teeth and model form."""
-        kept = point.unknown[self.outer :] - point.index
+        kept = point.unknown[self.outer :] - point.held
         parts = zip(self.records, point.predicted, self.columns, strict=True)
         return tuple(record.value - predicted - columns @ kept for record, predicted, columns in parts)
 
@@ -262,13 +264,13 @@ class Problem:
         return np.array([white[rows] @ white[rows] for rows in self.linear.rows])
 
     def _stands(self, unknown: Array) -> tuple[Array, Array]:
-        """Return what of unknowns predictions depend on: the outer ones and the index errors."""
-        return unknown[: self.outer], unknown[self.unknowns.late]
+        """Return what of unknowns predictions depend on: the outer ones, and inner ones that they hold."""
+        return unknown[: self.outer], self.unknowns.within(unknown)
 
-    def _residual(self, predicted: tuple[Array, ...], late: Array) -> Array:
-        """Return measured less predicted, whitened; index errors that the prediction holds, (z1 + z2,), are put back by columns."""
+    def _residual(self, predicted: tuple[Array, ...], held: Array) -> Array:
+        """Return measured less predicted, whitened; what the prediction holds of inner unknowns, (h,), is put back by columns."""
         misfit = self.whiten(tuple(record.value - part for record, part in zip(self.records, predicted, strict=True)))
-        return misfit + self.lateness @ late
+        return misfit + self.held @ held
 
     # ---- fitting --------------------------------------------------------------------------------
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.sensing import Request, System, observe, requests
+from gearfem.variants import VARIANTS
 
 # Blocks into which a record is cut to see how much what is left differs along it.
 BLOCKS = 10
@@ -184,7 +186,11 @@ def calibrated(setup: Setup, settings: Settings, effects: tuple[Effect, ...] = (
 
 def calibration_of(known: Calibration, settings: Settings) -> Calibration:
     """Return a calibration with settings on top of it: scales multiplied, angles and index errors added, constants as they were."""
-    return Calibration(
+    moved = zip(VARIANTS, settings.errors, strict=False)
+    errors: dict[str, Any] = {variant.name: variant.both(getattr(known, variant.name), variant.value(far)) for variant, far in moved}
+    return dataclasses.replace(
+        known,
+        **errors,
         stiffness_scale=known.stiffness_scale * settings.stiffness_scale,
         torque_scale=known.torque_scale * settings.torque_scale,
         inertia_scale=known.inertia_scale * settings.inertia_scale,
@@ -196,7 +202,6 @@ def calibration_of(known: Calibration, settings: Settings) -> Calibration:
         angle_offset=known.angle_offset + settings.angle_offset,
         pinion_late=known.pinion_late + settings.pinion_late if known.pinion_late.size else settings.pinion_late,
         wheel_late=known.wheel_late + settings.wheel_late if known.wheel_late.size else settings.wheel_late,
-        offsets=known.offsets,
     )
 
 

@@ -13,7 +13,6 @@ from gearfem.assembly import assemble
 from gearfem.definition.setup import GearPair, Member
 from gearfem.diagnosis.bench import Oscillator, Peaks, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.variants import VARIANTS, Variant
 from gearfem.dynamics.turns import kw_places, march_turns
 from gearfem.dynamics.turns_plan import make_plan
 from gearfem.effects.effect import Effect
@@ -23,13 +22,14 @@ from gearfem.foundation import Array, Record
 from gearfem.sensing import System
 from gearfem.sensing.motion import at_speed
 from gearfem.sensing.requests import observe, requests
+from gearfem.variants import VARIANTS, Variant, varied
 
 # Part of the mean load below which the flanks of a motion count as apart.
 LEAST_LOAD = 0.02
 # Places of the path of contact at which the depth of a flank is averaged.
 DEPTHS = 101
-# Systems of other coupling and tip edges that stay in memory: those of a derivative.
-BUILT = 4
+# Systems of other coupling, tip edges and errors that stay in memory: those of a derivative.
+BUILT = 16
 # Longest step of motions by 1/omega_n: an error far below what a motion is expected to be predicted to (see `march_turns`).
 STRIDE = 0.7
 
@@ -43,7 +43,7 @@ class SystemBench(Record):
     system : System
         From `gearfem.assembly.assemble`.
     errors : tuple of Variant, optional
-        How this model may be wrong; none for a rough fit.
+        How this model may be wrong, see `Settings`; none for a rough fit.
 
     Notes
     -----
@@ -65,11 +65,6 @@ class SystemBench(Record):
     def delay(self) -> float:
         """Time by which the instrument reads late [s]."""
         return self.system.instrument.delay
-
-    @cached_property
-    def variants(self) -> tuple[SystemBench, ...]:
-        """The same model with each of its errors, at one standard deviation."""
-        return tuple(SystemBench(system=variant.change(self.system), errors=()) for variant in self.errors)
 
     def depth(self, gear: Member) -> float:
         """Return the root mean square of what is missing from the flanks of a gear over the path of contact [m]; odd teeth do not count."""
@@ -172,11 +167,12 @@ class SystemBench(Record):
 
     def _system(self, settings: Settings) -> System:
         """Return the system with angle zero, index errors, inertias and damping of these settings."""
-        setup, placement, drive = self.system.setup, self.system.placement, self.system.drive
+        built = self._build(settings.coupling_scale, settings.tip_edge_scale, settings.errors)
+        setup, placement, drive = built.setup, built.placement, built.drive
         inertia = settings.inertia_scale / settings.stiffness_scale
         zero = setup.calibration.angle_offset + settings.angle_offset
         return dataclasses.replace(
-            self._build(settings.coupling_scale, settings.tip_edge_scale),
+            built,
             setup=dataclasses.replace(setup, calibration=dataclasses.replace(setup.calibration, angle_offset=zero)),
             placement=dataclasses.replace(
                 placement,
@@ -195,13 +191,19 @@ class SystemBench(Record):
         )
 
     @cached_property
-    def _build(self) -> Callable[[float, float], System]:
-        """What makes the system with multiples of the coupling of neighbour teeth and of the radius of tip edges; the latest are kept."""
+    def _build(self) -> Callable[[float, float, tuple[float, ...]], System]:
+        """What makes the system with multiples of the coupling of neighbour teeth and of the radius of tip edges, and with its errors.
+
+        The latest are kept.
+        """
         # It holds the system, not the bench: what holds itself stays in memory until circles are looked for.
-        system, flanks, compliance = self.system, self.system.flanks, self.system.compliance
-        return lru_cache(BUILT)(
-            lambda coupling, edges: dataclasses.replace(system, flanks=flanks.edged(edges), compliance=compliance.coupled(coupling))
-        )
+        system, errors = self.system, self.errors
+
+        def build(coupling: float, edges: float, moved: tuple[float, ...]) -> System:
+            wrong = varied(system, (variant.value(how_far) for variant, how_far in zip(errors, moved, strict=False)))
+            return dataclasses.replace(wrong, flanks=wrong.flanks.edged(edges), compliance=wrong.compliance.coupled(coupling))
+
+        return lru_cache(BUILT)(build)
 
 
 def bench_of(campaign: Campaign, effects: Iterable[Effect] = ()) -> SystemBench:

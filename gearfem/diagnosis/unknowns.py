@@ -14,6 +14,7 @@ from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.nuisances import BUILD, Nuisance, moved_settings, nuisances_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.foundation import Array, Record
+from gearfem.variants import Variant
 
 # Prior deviation of the constant of a record [SI], which is not known at all.
 FREE = 1.0
@@ -35,6 +36,8 @@ class Unknowns(Record):
         Prior of the single teeth.
     teeth : ndarray
         Prior deviation of each unknown of the teeth [m]: of each tooth the index error, then its waviness.
+    errors : tuple of Variant
+        How the model may be wrong.
     """
 
     pair: GearPair
@@ -42,6 +45,7 @@ class Unknowns(Record):
     offsets: tuple[int, ...]
     scatter: Scatter
     teeth: Array
+    errors: tuple[Variant, ...] = ()
 
     @property
     def outer(self) -> int:
@@ -55,7 +59,7 @@ class Unknowns(Record):
 
     @property
     def first_form(self) -> int:
-        """Place of the first variant of the model."""
+        """Place of the first error of the model."""
         return self.first_tooth + len(self.teeth)
 
     @property
@@ -69,16 +73,43 @@ class Unknowns(Record):
         own = np.arange(len(self.teeth))
         return np.asarray(self.first_tooth + own[own % (self.scatter.terms + 1) > 0])
 
+    @property
+    def wrong(self) -> slice:
+        """Places of the errors of the model."""
+        return slice(self.first_form, self.first_form + len(self.errors))
+
+    @property
+    def held(self) -> NDArray[Any]:
+        """Places of what is linear nearby and yet held by predictions, since it bends far off: index errors, and errors of the model."""
+        return np.concatenate([np.arange(self.first_form)[self.late], self.first_form + np.arange(len(self.errors))])
+
+    def within(self, unknown: Array) -> Array:
+        """Return of what predictions hold how much they can, in the order of `held`."""
+        return np.concatenate([unknown[self.late], self._errors(unknown)])
+
+    def at_limits(self, unknown: Array) -> NDArray[Any]:
+        """Return which of those that predictions hold, in the order of `held`, stand at or beyond what the model can follow."""
+        limits = np.array([(variant.least, variant.most) for variant in self.errors]).reshape(-1, 2)
+        moved = unknown[self.wrong]
+        errors = (moved <= limits[:, 0]) | (moved >= limits[:, 1])
+        return np.concatenate([np.zeros(self.pair.pinion.teeth + self.pair.wheel.teeth, bool), errors])
+
+    def _errors(self, unknown: Array) -> Array:
+        limits = [(variant.least, variant.most) for variant in self.errors]
+        return np.array([np.clip(moved, *limit) for moved, limit in zip(unknown[self.wrong], limits, strict=False)])
+
     def settings(self, unknown: Array) -> Settings:
         """Return the settings of unknowns, shape (k,)."""
         index, z1 = unknown[self.late] * self.scatter.index, self.pair.pinion.teeth
-        return moved_settings(Settings(pinion_late=index[:z1], wheel_late=index[z1:]), self.nuisances, unknown[: self.outer])
+        bare = Settings(pinion_late=index[:z1], wheel_late=index[z1:], errors=tuple(self._errors(unknown).tolist()))
+        return moved_settings(bare, self.nuisances, unknown[: self.outer])
 
     def of(self, settings: Settings) -> Array:
-        """Return the unknowns of settings, shape (first_form,): all that is linear at 0, but for the index errors."""
-        unknown = np.zeros(self.first_form)
+        """Return the unknowns of settings up to errors of the model: all that is linear at 0, but for what predictions hold."""
+        unknown = np.zeros(self.first_form + len(self.errors))
         unknown[: self.outer] = [nuisance.deviations(getattr(settings, nuisance.name)) for nuisance in self.nuisances]
         unknown[self.late] = np.concatenate([settings.pinion_late, settings.wheel_late]) / self.scatter.index
+        unknown[self.first_form : self.first_form + len(settings.errors)] = settings.errors
         return unknown
 
     @property
@@ -87,9 +118,10 @@ class Unknowns(Record):
         return [place for place, nuisance in enumerate(self.nuisances) if nuisance.name != "angle_offset" and nuisance not in BUILD]
 
     def neutral(self, unknown: Array) -> Array:
-        """Return unknowns with scales as the model has them; zero of the angle, build of the gears and all that is linear stay."""
+        """Return unknowns with scales as the model has them and no errors of the model; zero of the angle, build and teeth stay."""
         found = unknown.copy()
         found[self.scales] = 0.0
+        found[self.wrong] = 0.0
         return found
 
     def constant(self, record: int, unknown: Array) -> float:
@@ -97,12 +129,13 @@ class Unknowns(Record):
         return FREE * float(unknown[self.outer + self.offsets.index(record)]) if record in self.offsets else 0.0
 
 
-def unknowns_of(campaign: Campaign, records: tuple[Measurement, ...], scatter: Scatter) -> Unknowns:
-    """Return the unknowns of records of a campaign."""
+def unknowns_of(campaign: Campaign, records: tuple[Measurement, ...], scatter: Scatter, errors: tuple[Variant, ...] = ()) -> Unknowns:
+    """Return the unknowns of records of a campaign, under a model that may be wrong in some ways."""
     return Unknowns(
         pair=campaign.setup.pair,
         nuisances=nuisances_of(campaign, records),
         offsets=tuple(i for i, record in enumerate(records) if record.quantity.free_constant),
         scatter=scatter,
         teeth=scatter.deviations(campaign.setup.pair),
+        errors=errors,
     )

@@ -12,6 +12,7 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.shapes import bounded, stands
 from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.straying import beyond
 from gearfem.diagnosis.verdict import gap_left
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -24,7 +25,7 @@ STRENGTHS, MOST = (-1.0, 1.0, 4.0, 16.0), 4
 def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], progress: Progress) -> list[tuple[tuple[Effect, ...], Array]]:
     """Return single effects to fit, and nuisances to start from, where those alone stray.
 
-    None where no scale does, or where they leave a gap all the same: what is missing shows in that.
+    None where no scale and no error of the model does, or where they leave a gap all the same: what is missing shows in that.
 
     Parameters
     ----------
@@ -40,9 +41,11 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
     list of (tuple of Effect, ndarray of shape (k,))
         Those that bring a model with its own scales nearest to the records, as slow records have them, tuned to the resonances.
     """
-    if not problem.strayed(alone.point.unknown).any() or gap_left(alone, problem) > 1.0:
+    unknown = alone.point.unknown
+    astray = problem.strayed(unknown).any() or beyond(unknown[problem.unknowns.wrong]).any()
+    if not astray or gap_left(alone, problem) > 1.0:
         return []
-    setup, neutral = problem.campaign.setup, problem.unknowns.neutral(alone.point.unknown)
+    setup, neutral = problem.campaign.setup, problem.unknowns.neutral(unknown)
     level = problem.settings(neutral)
     whole = [c.effect for c in candidates if not hasattr(c.effect, "tooth") and not stands(c.effect)]
     jobs = list({(type(effect), effect.member): None for effect in whole})

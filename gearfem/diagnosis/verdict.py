@@ -14,9 +14,9 @@ from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Label, Search, label, uneven, waves_of
 from gearfem.diagnosis.straying import LOST, STRAYED
-from gearfem.diagnosis.variants import VARIANTS
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, Record
+from gearfem.variants import VARIANTS
 
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
 
@@ -216,7 +216,7 @@ def _within_reason(fit: Fit, problem: Problem) -> Array:
     gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
     stray = uneven(problem, fit)[1] > STRAYED
     back = np.concatenate([waves_of(late) * stray[number] for number, late in enumerate(gears)])
-    return np.asarray(problem.squares(white + problem.lateness @ back) / problem.counts)
+    return np.asarray(problem.squares(white + problem.held[:, : back.size] @ back) / problem.counts)
 
 
 def closure(alone: Fit, best: Fit, problem: Problem) -> float:

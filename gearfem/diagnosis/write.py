@@ -13,11 +13,11 @@ from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.largest import expected
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.updated import effect_table, write_updated
-from gearfem.diagnosis.variants import VARIANTS
 from gearfem.diagnosis.verdict import Rival
 from gearfem.effects.effect import Effect
 from gearfem.foundation.files import write_json
 from gearfem.foundation.units import UM, factor
+from gearfem.variants import VARIANTS
 
 RESULT, MODEL = "diagnosis.json", "updated.toml"
 # A nuisance beyond so many prior deviations is a finding itself.

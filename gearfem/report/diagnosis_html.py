@@ -12,7 +12,6 @@ from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, SERIES
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.variants import VARIANTS
 from gearfem.diagnosis.verdict import Rival
 from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, stderr
 from gearfem.effects.effect import Effect
@@ -20,6 +19,7 @@ from gearfem.foundation.files import whole
 from gearfem.foundation.units import UM, factor
 from gearfem.report.diagnosis_plots import write_diagnosis_pictures
 from gearfem.report.html import inline, template
+from gearfem.variants import VARIANTS
 
 HEADINGS = {
     "explained": "Explained",

@@ -31,6 +31,7 @@ ANGLES, SHORTEST = 120, 1e-9
 # In modules, on average over a flank: deeper outlines are refused anyway.
 DEEPEST = 0.25
 UNEVEN = "Wear over the life is that of teeth all alike and evenly spaced, and was taken from all teeth, those that differ too."
+ALIGNED = "The misalignment of the calibration was left out: wear is not followed over the face width."
 Depths = dict[Member, Array]
 
 
@@ -172,12 +173,14 @@ def wear_over(
     """
     if not (math.isfinite(turns) and turns > 0.0):
         raise InputError("turns", f"{turns:g}", "more than 0")
-    system = assemble(setup, effects)
+    fitted = setup.calibration
+    aligned = dataclasses.replace(setup, calibration=dataclasses.replace(fitted, misalignment=0.0))
+    system = assemble(aligned, effects)
     mesh, torque = system.mesh, system.drive.pinion_torque
-    remarks: tuple[str, ...] = (UNEVEN,) if _differ(mesh) else ()
+    remarks: tuple[str, ...] = (*((UNEVEN,) if _differ(mesh) else ()), *((ALIGNED,) if fitted.misalignment else ()))
     pitch = (np.arange(angles) + 0.5) / angles * setup.pair.pinion.pitch_angle
     none: Depths = {member: np.zeros_like(Deviation.none(gear).roll) for member, gear in _gears(setup)}
-    bench = _Bench(setup, law, pitch, tuple(effects), finest, none, _alike(mesh))
+    bench = _Bench(aligned, law, pitch, tuple(effects), finest, none, _alike(mesh))
     done, step, depths = 0.0, 0.0, none
     loaded = bench.loaded(depths, torque)
     rates = bench.rates(loaded)

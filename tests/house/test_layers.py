@@ -20,6 +20,7 @@ LINE = (
     "dynamics",
     "sensing",
     "effects",
+    "variants",
     "model",
     "assembly",
     "assumptions",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -21,8 +23,23 @@ def test_what_a_fit_prepared_anew_promises_holds(tmp_path: Path) -> None:
     found = again(problem, (), start)
     attained = problem.attained(found.point)
     assert found.objective <= attained < before
-    # Index errors have settled: what they would still promise if all were linear in them is next to nothing.
+    # What bends has settled: what it would still promise if all were linear is next to nothing.
     assert attained - found.objective < 0.02 * (before - attained)
+
+
+def test_fits_from_different_places_end_alike(tmp_path: Path) -> None:
+    hidden = {"name": "tip_relief", "gear": "wheel", "amount_um": 6.0, "length_mm": 2.0}
+    problem = beside_nuisances(tmp_path, hidden, [PLAN["record"][0], PLAN["record"][-1]]).problem
+    level = neutral(problem.campaign.setup.pair)
+    ends = []
+    for errors in ((), (1.0, -1.0, 1.0, 1.0, 1.0, 1.0)):
+        own = copy.copy(problem)
+        start = own.unknowns.of(dataclasses.replace(level, errors=errors))
+        before = own.attained(own.at((), own.prepare((), start)))
+        found = again(own, (), start)
+        ends.append(own.attained(found.point))
+        assert ends[-1] < before
+    assert abs(ends[0] - ends[1]) < 0.02 * (before - min(ends))
 
 
 def test_where_a_round_ends_that_cannot_be_computed_the_one_before_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

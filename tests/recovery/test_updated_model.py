@@ -13,6 +13,7 @@ import pytest
 from gearfem.assembly import assemble
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Measurement, make_record
+from gearfem.diagnosis.prove import calibrated
 from gearfem.diagnosis.system_bench import STRIDE, SystemBench
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.catalogue import catalogue, read_effects
@@ -49,6 +50,7 @@ def settings() -> Settings:
         series_compliance=-8e-11,
         coupling_scale=0.6,
         tip_edge_scale=0.3,
+        errors=(0.8, -1.2, 0.5, 1.1, 0.0, -0.7),
     )
 
 
@@ -102,6 +104,19 @@ def test_the_file_reads_what_the_bench_predicts(written: tuple[Path, SystemBench
         predicted = predicted + 4e-6 + 3e-6 * (1.0 - gain)
     # Tables of both stiffnesses hold the same numbers, so that little but rounding is left.
     np.testing.assert_allclose(observe(system, request), predicted, rtol=0.0, atol=1e-8 * max(np.ptp(predicted), np.abs(predicted).max()))
+
+
+def test_a_fitted_misalignment_is_read_as_the_bench_has_it(written: tuple[Path, SystemBench]) -> None:
+    _, bench = written
+    setup, record = bench.system.setup, RECORDS[0]
+    fitted = dataclasses.replace(settings(), errors=(0.0, 0.0, 0.0, 0.0, 0.9, 0.0))
+    request = requests()[record.quantity.name](axis=record.axis, pinion_torque=80.0, file="b.csv")
+    read = observe(calibrated(setup, fitted), request)
+    aligned = observe(calibrated(setup, settings()), request)
+    predicted = SystemBench(system=assemble(setup)).predict(record, fitted)
+    error = read - predicted - np.mean(read - predicted)
+    # Loads over the width are tabulated, to 2e-4 (see `static`); a stiffness scale moves their knots.
+    assert np.abs(error).max() < 2e-4 * np.ptp(predicted) < 0.1 * np.abs(read - aligned).max()
 
 
 def test_the_keys_of_the_owner_stay(written: tuple[Path, SystemBench]) -> None:

@@ -12,6 +12,7 @@ from gearfem.diagnosis.campaign import Campaign, Measurement, make_record
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.unknowns import unknowns_of
 from gearfem.model import make_setup
+from gearfem.variants import VARIANTS
 
 SETUP = make_setup(
     {
@@ -63,3 +64,18 @@ def test_only_records_with_an_unknown_constant_have_one() -> None:
     unknown = np.arange(float(unknowns.first_form))
     assert unknowns.constant(0, unknown) == 0.0
     assert unknowns.constant(1, unknown) == unknown[unknowns.outer]
+
+
+def test_predictions_hold_errors_of_the_model_as_far_as_it_can_follow() -> None:
+    records = (record("static_transmission_error"),)
+    campaign = Campaign(name="a", path="a.toml", model="m.toml", setup=SETUP, angle_known=True, records=records)
+    unknowns = unknowns_of(campaign, records, Scatter(), VARIANTS)
+    unknown = unknowns.of(Settings(pinion_late=np.zeros(13), wheel_late=np.zeros(17)))
+    unknown[unknowns.first_form :] = 5.0, 0.5, -3.0, -1.0, 1.0, 0.0
+    held = (4.0, 0.5, -2.0, 0.0, 1.0, 0.0)
+    assert unknowns.settings(unknown).errors == held
+    assert unknowns.within(unknown)[-6:].tolist() == list(held)
+    assert unknowns.at_limits(unknown)[-6:].tolist() == [True, False, True, True, False, False]
+    # Those before them, of the teeth, are never at one.
+    assert not unknowns.at_limits(unknown)[:-6].any()
+    assert unknowns.of(unknowns.settings(unknown))[unknowns.held] == pytest.approx(unknowns.within(unknown))
