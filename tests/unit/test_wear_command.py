@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -106,6 +107,17 @@ def test_a_life_that_wears_teeth_out_ends_early(monkeypatch):
     assert 0.0 < short.turns[-1] < 1e7
     assert "no load sharing" in short.remarks[0]
     assert "The life ends after" in short.remarks[0]
+
+
+def test_a_fitted_misalignment_is_left_out_of_wear_and_said():
+    setup = load_model(MODEL)
+    tilted = dataclasses.replace(setup, calibration=dataclasses.replace(setup.calibration, misalignment=2e-6))
+    law = Archard(pinion_coefficient=2e-17, wheel_coefficient=2e-17)
+    even, odd = (life.wear_over(one, law, 1e4, angles=20) for one in (setup, tilted))
+    assert even.remarks == ()
+    assert odd.remarks == (life.ALIGNED,)
+    assert np.array_equal(even.pinion_depth, odd.pinion_depth)
+    assert odd.setup.calibration.misalignment == 2e-6
 
 
 def test_flanks_worn_deep_are_written_and_read_again(tmp_path):
