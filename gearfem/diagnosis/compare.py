@@ -14,6 +14,7 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import BenchOf, Problem
+from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.zero import guess_zero
@@ -72,13 +73,13 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     progress("nuisances", 3, 4)
     alone = fit_from(problem, early.settings)
     problem.remember(alone)
-    alone = again(problem, (), alone.point.unknown)
+    starts = [alone.point.unknown]
     if (alone.squares / problem.floor).max() > LOST:
         # Motions that nothing meets drew nuisances away from slow records before it was known how little they count.
-        aside = copy.copy(problem)
-        other = again(aside, (), problem.unknowns.of(start))
-        if other.objective < alone.objective:
-            problem, alone = aside, other
+        starts.append(problem.unknowns.of(start))
+    ends = side_by_side(lambda unknown: again(copy.copy(problem), (), unknown), starts)
+    alone = min(ends, key=lambda fit: fit.objective)
+    problem.prepare((), alone.point.unknown)
     progress("nuisances", 4, 4)
     return Comparison(problem=problem, alone=alone, shifts=_shifts(problem, alone), records=_compared(problem, alone))
 

@@ -180,7 +180,9 @@ def test_an_unforeseen_error_is_not_hidden(tmp_path, monkeypatch):
 def test_interrupting_the_real_program_leaves_no_part_of_a_file(tmp_path):
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     command = [sys.executable, "-m", "gearfem", "run", MODEL, "--out", str(tmp_path)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as process:
+    # Whoever runs the tests may have been told to ignore interrupts, and children inherit that.
+    obey = functools.partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment, preexec_fn=obey) as process:
         # Long enough to be within the command, short against the whole run.
         time.sleep(1.5)
         process.send_signal(signal.SIGINT)
