@@ -93,7 +93,7 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
         drive=dataclasses.replace(drive, damping_ratio=drive.damping_ratio * fitted.damping_scale),
         instrument=_act(Instrument(gain=fitted.gain), of("sensing"), bare),
     )
-    system = varied(system, (getattr(fitted, variant.name) for variant in VARIANTS))
+    system = varied(system, ((variant, getattr(fitted, variant.name)) for variant in VARIANTS))
     return dataclasses.replace(system, compliance=_softer(system.compliance, 1.0 / fitted.stiffness_scale))
 
 

@@ -51,9 +51,9 @@ class Variant:
         return one * other if self.is_scale else one + other
 
 
-def varied(system: System, values: Iterable[float]) -> System:
-    """Return a system that is wrong by the values of some or all `VARIANTS`, in their order."""
-    for variant, value in zip(VARIANTS, values, strict=False):
+def varied(system: System, errors: Iterable[tuple[Variant, float]]) -> System:
+    """Return a system that is wrong in some ways, by the value of each."""
+    for variant, value in errors:
         system = variant.act(system, value) if value != variant.value(0.0) else system
     return system
 

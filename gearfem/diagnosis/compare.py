@@ -73,13 +73,13 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     progress("nuisances", 3, 4)
     alone = fit_from(problem, early.settings)
     problem.remember(alone)
-    starts = [alone.point.unknown]
     if (alone.squares / problem.floor).max() > LOST:
         # Motions that nothing meets drew nuisances away from slow records before it was known how little they count.
-        starts.append(problem.unknowns.of(start))
-    ends = side_by_side(lambda unknown: again(copy.copy(problem), (), unknown), starts)
-    alone = min(ends, key=lambda fit: fit.objective)
-    problem.prepare((), alone.point.unknown)
+        starts = (alone.point.unknown, problem.unknowns.of(start))
+        alone = min(side_by_side(lambda unknown: again(copy.copy(problem), (), unknown), starts), key=lambda fit: fit.objective)
+        problem.prepare((), alone.point.stood)
+    else:
+        alone = again(problem, (), alone.point.unknown)
     progress("nuisances", 4, 4)
     return Comparison(problem=problem, alone=alone, shifts=_shifts(problem, alone), records=_compared(problem, alone))
 

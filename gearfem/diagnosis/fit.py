@@ -30,7 +30,7 @@ ROUNDS, SETTLED, EXACT = 9, 1.0, 3
 # What is added to the squares of all columns, in parts of them, until a step helps.
 DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 DIFFERENCE = 0.03
-# Times that a fit is prepared anew at most, rounds of each, and times in a row that it may end worse than before.
+# Times that a fit is prepared anew at most, rounds of each, and times in a row that it may gain little.
 AGAIN, NEARBY, WORSE = 8, 2, 2
 # Parts of the way to where a round ends that are tried.
 SHARES = 1.0, 0.5, 0.25
@@ -143,7 +143,7 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> Fit:
     """Return the fit of effects from nuisances on, the problem prepared anew where it ends until that gains little; the best end counts.
 
     The columns of what is linear change along the way: near a resonance, and where load passes from tooth to tooth. What a fit with the
-    columns of its start promises may not hold where it ends (`Problem.attained`), and yet lie on the way to a better place. The problem
+    columns of its start promises may not hold where it ends (`Problem.attained`): it goes only as far as less is attained. The problem
     stays prepared where the fit stands that is returned.
     """
     # Index errors first: what they cost from where effects have not moved them is no measure of what follows.

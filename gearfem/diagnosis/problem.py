@@ -58,7 +58,7 @@ class Problem:
         Where it was prepared last: under which effects, and at which outer unknowns and inner ones that predictions hold.
     columns : tuple of ndarray, shapes (n, i)
         Of each record over the inner unknowns in prior deviations [SI], once prepared.
-    scales, held : ndarray, shapes (m, outer), (m, h)
+    scales, held_columns : ndarray, shapes (m, outer), (m, h)
         Of all whitened rows over the outer unknowns, and over those inner ones that predictions hold.
     rise : tuple of ndarray, shapes (n,)
         What waviness is expected to add to the largest Kw of a turn, in parts of Kw - 1; 0 in all other records.
@@ -73,7 +73,7 @@ class Problem:
     stood: tuple[Array, Array]
     columns: tuple[Array, ...]
     scales: Array
-    held: Array
+    held_columns: Array
     rise: tuple[Array, ...]
     linear: Marginal
     whole: Marginal
@@ -111,7 +111,9 @@ class Problem:
         part.records, part.noises = tuple(self.records[i] for i in places), tuple(self.noises[i] for i in places)
         part.columns = tuple(self.columns[i] for i in places)
         part.rise = tuple(self.rise[i] for i in places)
-        part.scales, part.held = (np.concatenate([whole[self.linear.rows[i]] for i in places]) for whole in (self.scales, self.held))
+        part.scales, part.held_columns = (
+            np.concatenate([whole[self.linear.rows[i]] for i in places]) for whole in (self.scales, self.held_columns)
+        )
         part.linear, part.whole = self.linear.part(places), self.whole.part(places)
         part.floor, part.counts, part.memory = self.floor[places], self.counts[places], self.memory[places]
         return part
@@ -137,13 +139,12 @@ class Problem:
         ndarray, shape (k,)
             The unknowns, completed by zeros where there were fewer.
         """
-        unknown = np.concatenate([unknown, np.zeros(max(self.unknowns.first_form + len(self.unknowns.errors) - len(unknown), 0))])
         self.effects, self.stood = effects, self._stands(unknown)
         self.columns, self.whole, self.rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
         inner = self.columns[0].shape[1]
         self.linear = self.whole.first(inner)
         self.scales = np.concatenate([part[:, inner:] for part in self.whole.columns])
-        self.held = np.concatenate([part[:, self.unknowns.held - self.outer] for part in self.linear.columns])
+        self.held_columns = np.concatenate([part[:, self.unknowns.held - self.outer] for part in self.linear.columns])
         return np.concatenate([unknown, np.zeros(self.outer + inner - len(unknown))])
 
     def remember(self, fit: Fit) -> None:
@@ -192,7 +193,7 @@ class Problem:
         places = self.unknowns.held[~free]
         held = point.stood[places]
         still = np.setdiff1d(np.arange(len(point.held)), places - self.outer)
-        misfit = point.residual - self.held[:, ~free] @ held
+        misfit = point.residual - self.held_columns[:, ~free] @ held
         pulls = self.linear.pulls(misfit)[:, still]
         solved, cost, _ = self._weigh(self.linear.some(still), pulls, self.squares(misfit), point.weights, WEIGHED)
         fixed = np.concatenate([point.unknown[: self.outer], held])
@@ -270,7 +271,7 @@ class Problem:
     def _residual(self, predicted: tuple[Array, ...], held: Array) -> Array:
         """Return measured less predicted, whitened; what the prediction holds of inner unknowns, (h,), is put back by columns."""
         misfit = self.whiten(tuple(record.value - part for record, part in zip(self.records, predicted, strict=True)))
-        return misfit + self.held @ held
+        return misfit + self.held_columns @ held
 
     # ---- fitting --------------------------------------------------------------------------------
 

@@ -200,7 +200,7 @@ class SystemBench(Record):
         system, errors = self.system, self.errors
 
         def build(coupling: float, edges: float, moved: tuple[float, ...]) -> System:
-            wrong = varied(system, (variant.value(how_far) for variant, how_far in zip(errors, moved, strict=False)))
+            wrong = varied(system, ((variant, variant.value(far)) for variant, far in zip(errors, moved, strict=False)))
             return dataclasses.replace(wrong, flanks=wrong.flanks.edged(edges), compliance=wrong.compliance.coupled(coupling))
 
         return lru_cache(BUILT)(build)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,8 @@ class Unknowns(Record):
     @property
     def held(self) -> NDArray[Any]:
         """Places of what is linear nearby and yet held by predictions, since it bends far off: index errors, and errors of the model."""
-        return np.concatenate([np.arange(self.first_form)[self.late], self.first_form + np.arange(len(self.errors))])
+        places = np.arange(self.wrong.stop)
+        return np.concatenate([places[self.late], places[self.wrong]])
 
     def within(self, unknown: Array) -> Array:
         """Return of what predictions hold how much they can, in the order of `held`."""
@@ -89,14 +91,16 @@ class Unknowns(Record):
 
     def at_limits(self, unknown: Array) -> NDArray[Any]:
         """Return which of those that predictions hold, in the order of `held`, stand at or beyond what the model can follow."""
-        limits = np.array([(variant.least, variant.most) for variant in self.errors]).reshape(-1, 2)
+        least, most = self._limits
         moved = unknown[self.wrong]
-        errors = (moved <= limits[:, 0]) | (moved >= limits[:, 1])
-        return np.concatenate([np.zeros(self.pair.pinion.teeth + self.pair.wheel.teeth, bool), errors])
+        return np.concatenate([np.zeros(len(unknown[self.late]), bool), (moved <= least) | (moved >= most)])
 
     def _errors(self, unknown: Array) -> Array:
-        limits = [(variant.least, variant.most) for variant in self.errors]
-        return np.array([np.clip(moved, *limit) for moved, limit in zip(unknown[self.wrong], limits, strict=False)])
+        return np.clip(unknown[self.wrong], *self._limits)
+
+    @cached_property
+    def _limits(self) -> tuple[Array, Array]:
+        return np.array([variant.least for variant in self.errors]), np.array([variant.most for variant in self.errors])
 
     def settings(self, unknown: Array) -> Settings:
         """Return the settings of unknowns, shape (k,)."""
@@ -106,7 +110,7 @@ class Unknowns(Record):
 
     def of(self, settings: Settings) -> Array:
         """Return the unknowns of settings up to errors of the model: all that is linear at 0, but for what predictions hold."""
-        unknown = np.zeros(self.first_form + len(self.errors))
+        unknown = np.zeros(self.wrong.stop)
         unknown[: self.outer] = [nuisance.deviations(getattr(settings, nuisance.name)) for nuisance in self.nuisances]
         unknown[self.late] = np.concatenate([settings.pinion_late, settings.wheel_late]) / self.scatter.index
         unknown[self.first_form : self.first_form + len(settings.errors)] = settings.errors

@@ -216,7 +216,7 @@ def _within_reason(fit: Fit, problem: Problem) -> Array:
     gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
     stray = uneven(problem, fit)[1] > STRAYED
     back = np.concatenate([waves_of(late) * stray[number] for number, late in enumerate(gears)])
-    return np.asarray(problem.squares(white + problem.held[:, : back.size] @ back) / problem.counts)
+    return np.asarray(problem.squares(white + problem.held_columns[:, : back.size] @ back) / problem.counts)
 
 
 def closure(alone: Fit, best: Fit, problem: Problem) -> float:

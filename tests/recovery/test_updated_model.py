@@ -112,7 +112,7 @@ def test_a_fitted_misalignment_is_read_as_the_bench_has_it(written: tuple[Path, 
     fitted = dataclasses.replace(settings(), errors=(0.0, 0.0, 0.0, 0.0, 0.9, 0.0))
     request = requests()[record.quantity.name](axis=record.axis, pinion_torque=80.0, file="b.csv")
     read = observe(calibrated(setup, fitted), request)
-    aligned = observe(calibrated(setup, settings()), request)
+    aligned = observe(calibrated(setup, dataclasses.replace(fitted, errors=())), request)
     predicted = SystemBench(system=assemble(setup)).predict(record, fitted)
     error = read - predicted - np.mean(read - predicted)
     # Loads over the width are tabulated, to 2e-4 (see `static`); a stiffness scale moves their knots.
