@@ -1,4 +1,4 @@
-"""Compiled loop of the response of a motion to the errors of single teeth; imported when the first one is followed."""
+"""Compiled loops of the errors of single teeth: what they weigh, and how a motion responds; imported when the first one is needed."""
 
 from __future__ import annotations
 
@@ -34,31 +34,59 @@ def follow(
     count = touch.shape[0]
     place, rate, pull = np.zeros((count, width)), np.zeros((count, width)), np.zeros((count, width))
     ahead, faster, push = np.zeros((count, width)), np.zeros((count, width)), np.zeros((count, width))
-    load, force = np.empty(width), np.empty(width)
+    load = np.empty(width)
     half, quarter = 0.5 * step, 0.25 * step * step
     place[0] = errors[0]
     for number in range(length):
-        load[:] = -(stiffness[number] * errors[number] + damp * rates[number])
+        stiff = stiffness[number]
+        for k in range(width):
+            load[k] = -(stiff * errors[number, k] + damp * rates[number, k])
         if number:
             for a in range(count):
-                ahead[a] = place[a] + step * rate[a] + quarter * pull[a]
-                faster[a] = rate[a] + half * pull[a]
+                for k in range(width):
+                    ahead[a, k] = place[a, k] + step * rate[a, k] + quarter * pull[a, k]
+                    faster[a, k] = rate[a, k] + half * pull[a, k]
             for a in range(count):
-                push[a] = by_force[a] * load
+                own = by_force[a]
+                for k in range(width):
+                    push[a, k] = own * load[k]
                 for b in range(count):
-                    push[a] += springs[number, a, b] * ahead[b] + dampers[a, b] * faster[b]
+                    spring, damper = springs[number, a, b], dampers[a, b]
+                    for k in range(width):
+                        push[a, k] += spring * ahead[b, k] + damper * faster[b, k]
             for a in range(count):
                 pull[a] = 0.0
                 for b in range(count):
-                    pull[a] += solved[number, a, b] * push[b]
-                place[a] = ahead[a] + quarter * pull[a]
-                rate[a] = faster[a] + half * pull[a]
+                    share = solved[number, a, b]
+                    for k in range(width):
+                        pull[a, k] += share * push[b, k]
+                for k in range(width):
+                    place[a, k] = ahead[a, k] + quarter * pull[a, k]
+                    rate[a, k] = faster[a, k] + half * pull[a, k]
         if not acceleration:
             out[number] = place[0]
             continue
-        force[:] = load
         for a in range(count):
-            force += touch[a] * (stiffness[number] * place[a] + damp * rate[a])
-        out[number] = by_force[count] * force
+            own = touch[a]
+            for k in range(width):
+                load[k] += own * (stiff * place[a, k] + damp * rate[a, k])
+        own = by_force[count]
+        for k in range(width):
+            out[number, k] = own * load[k]
         for a in range(count):
-            out[number] += by_place[a] * place[a] + by_rate[a] * rate[a]
+            spring, damper = by_place[a], by_rate[a]
+            for k in range(width):
+                out[number, k] += spring * place[a, k] + damper * rate[a, k]
+
+
+@compiled
+def spread(pairs: Any, pinion: Any, wheel: Any, shapes: Any, teeth: int, out: Any) -> None:
+    """Add shapes (n, p, s) of pairs (n, p) by the weights of both teeth to those of the teeth, out (n, z1 + z2, s)."""
+    others = out.shape[1] - teeth
+    for row in range(pairs.shape[0]):
+        for slot in range(pairs.shape[1]):
+            one, two = pairs[row, slot] % teeth, teeth + pairs[row, slot] % others
+            share, other = pinion[row, slot], wheel[row, slot]
+            for k in range(shapes.shape[2]):
+                out[row, one, k] += share * shapes[row, slot, k]
+                out[row, two, k] += other * shapes[row, slot, k]

@@ -17,6 +17,7 @@ from gearfem.dynamics.turns import kw_places, march_turns
 from gearfem.dynamics.turns_plan import make_plan
 from gearfem.effects.effect import Effect
 from gearfem.engagement.engage import standard_angles
+from gearfem.engagement.grid import COARSE
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array, Record
 from gearfem.sensing import System
@@ -208,4 +209,4 @@ class SystemBench(Record):
 
 def bench_of(campaign: Campaign, effects: Iterable[Effect] = ()) -> SystemBench:
     """Return the campaign's model, with or without further effects, ready to predict records."""
-    return SystemBench(system=assemble(campaign.setup, tuple(effects)))
+    return SystemBench(system=dataclasses.replace(assemble(campaign.setup, tuple(effects)), grid=COARSE))

@@ -109,17 +109,11 @@ def _path_of_roll(record: Measurement, pair: GearPair) -> Array:
 
 def _slow(weights: Weights, angle: Array, pair: GearPair, terms: int, derivative: int = 0) -> Array:
     """Return the weights times the polynomials, or times their slopes over the pinion angle; shape (n, (z1 + z2) (terms + 1))."""
-    count, z1, z2 = len(angle), pair.pinion.teeth, pair.wheel.teeth
-    out = np.zeros((count, z1 + z2, terms + 1))
-    rows = np.arange(count)
-    for slot in range(weights.pairs.shape[1]):
-        number = weights.pairs[:, slot]
-        path = (angle / pair.pinion.pitch_angle - number) * pair.base_pitch
-        shape = _polynomials(path, pair, terms, derivative)
-        # Slots hold different teeth at one angle, so that plain sums do not collide.
-        out[rows, number % z1] += weights.pinion[:, slot, None] * shape
-        out[rows, z1 + number % z2] += weights.wheel[:, slot, None] * shape
-    return out.reshape(count, -1)
+    path = (angle[:, None] / pair.pinion.pitch_angle - weights.pairs) * pair.base_pitch
+    out = np.zeros((len(angle), pair.pinion.teeth + pair.wheel.teeth, terms + 1))
+    shapes = _polynomials(path, pair, terms, derivative)
+    _kernels().spread(weights.pairs, weights.pinion, weights.wheel, shapes, pair.pinion.teeth, out)
+    return out.reshape(len(angle), -1)
 
 
 def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:
@@ -173,7 +167,7 @@ def respond(errors: Array, rates: Array, swing: Swing, step: float, acceleration
     dampers = train.by_rate[:count] + damp * pushed
     solved = np.linalg.inv(np.eye(count) - 0.25 * step**2 * springs - 0.5 * step * dampers)
     out = np.empty_like(errors)
-    _kernel().follow(
+    _kernels().follow(
         errors,
         rates,
         swing.stiffness,
@@ -193,8 +187,8 @@ def respond(errors: Array, rates: Array, swing: Swing, step: float, acceleration
 
 
 @functools.cache
-def _kernel() -> ModuleType:
-    """Return the compiled loop; the first call of a process loads the compiler (or its cached code)."""
+def _kernels() -> ModuleType:
+    """Return the compiled loops; the first call of a process loads the compiler (or its cached code)."""
     from gearfem.diagnosis import response_kernel as module
 
     return module

@@ -16,7 +16,6 @@ from gearfem.dynamics.record import DriveTrain
 from gearfem.dynamics.supports import on_supports
 from gearfem.dynamics.waves import gap_waves, torque_waves
 from gearfem.engagement.engage import Mesh
-from gearfem.engagement.pair_table import levels
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import InputError
 from gearfem.placement import Placement
@@ -136,7 +135,7 @@ def moving(mesh: Mesh, drive: DriveTrain) -> tuple[Mesh, DriveTrain]:
 def rows_of(turns: Turns, begin: int, last: float) -> tuple[Any, int]:
     """Return the tables of the pairs from one pitch to another as the loops take them, and how many are followed at once."""
     stack, placement = turns.stack(np.arange(begin, math.floor(last) + 2, dtype=float)), turns.mesh.placement
-    arrays = stack.arrays(float(levels(placement.pair.pinion.module)[0]), (placement.pinion_late, placement.wheel_late))
+    arrays = stack.arrays(placement.pair.pinion.module, (placement.pinion_late, placement.wheel_late))
     return kernels().Rows(*arrays), stack.count
 
 

@@ -13,7 +13,8 @@ import numpy as np
 from gearfem.compliance.record import Compliance
 from gearfem.contact import EdgedLine, Line
 from gearfem.contact.peak import largest_pressure
-from gearfem.engagement.contacts import REACH, find_contacts, find_second_contacts, join
+from gearfem.engagement.contacts import find_contacts, find_second_contacts, join
+from gearfem.engagement.grid import FINE, LARGEST_OVERLOAD, Grid, largest_approach
 from gearfem.engagement.record import Contacts, Engagement, MeshForce
 from gearfem.engagement.sharing import LineLaw, PairSystem, Sharing, share_error, share_torque
 from gearfem.engagement.teeth import read_compliance
@@ -25,7 +26,6 @@ from gearfem.placement import Placement, rigidly_held, runout_gap
 
 # A ten-thousandth of a pitch: the rounding of a difference over it stays below 1e-7 of the ratio.
 DIFFERENCE = 1e-4
-LARGEST_OVERLOAD = 4.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -40,6 +40,8 @@ class Mesh(Record):
         Contact law of the two materials.
     slices : FaceSlices
         How the face width is cut where the gap of the flanks opens along it.
+    grid : Grid
+        How closely pairs are tabulated where many turns are followed.
     """
 
     flanks: Flanks
@@ -47,6 +49,7 @@ class Mesh(Record):
     compliance: Compliance
     law: LineLaw
     slices: FaceSlices = dataclasses.field(default_factory=FaceSlices)
+    grid: Grid = FINE
 
     @cached_property
     def lead(self) -> LeadTable | None:
@@ -202,7 +205,7 @@ def engage(mesh: Mesh, pinion_angle: Array, torque: float) -> Engagement:
 
 def _refuse_overload(mesh: Mesh, torque: float, error: float) -> None:
     """Refuse a torque that bends the teeth so far that small displacements, and the contacts that are followed, end."""
-    limit = _largest_error(mesh)
+    limit = largest_approach(mesh.placement.pair.pinion.module)
     if error > limit:
         found = f"{torque:g} N m, which moves the teeth by {error / MM:.4g} mm along the line of action"
         raise InputError(
@@ -210,13 +213,9 @@ def _refuse_overload(mesh: Mesh, torque: float, error: float) -> None:
         )
 
 
-def _largest_error(mesh: Mesh) -> float:
-    return REACH / LARGEST_OVERLOAD * mesh.placement.pair.pinion.module
-
-
 def largest_torque(mesh: Mesh, torque: float, error: float) -> float:
     """Return a torque [N m] that `engage` takes, from the deflection [m] under another one: it grows less than in proportion."""
-    return torque * _largest_error(mesh) / error
+    return torque * largest_approach(mesh.placement.pair.pinion.module) / error
 
 
 def _share(mesh: Mesh, angle: Array, pairs: tuple[int, ...], torque: float) -> tuple[Contacts, Sharing]:

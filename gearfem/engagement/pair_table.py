@@ -13,23 +13,24 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from gearfem.engagement.contacts import REACH, find_contacts
-from gearfem.engagement.engage import LARGEST_OVERLOAD, Mesh
+from gearfem.engagement.contacts import find_contacts
+from gearfem.engagement.engage import Mesh
+from gearfem.engagement.grid import LEVEL, levels
 from gearfem.engagement.record import Contacts
 from gearfem.engagement.sharing import PairSystem
 from gearfem.engagement.teeth import read_compliance
 from gearfem.foundation import Array, Record, SolveError
 
-# Approach levels: from 1e-6 modules and less to where `engage` refuses, exp(0.3) apart: the load is met to 1e-6.
-LOWEST, LEVEL = 3e-8, 0.3
-# Cells to the pitch away from kinks, width of the first cell beside one in pitches, and growth of the next.
-CELLS, FINEST, GROWTH = 192, 4e-5, 1.1
+# Width of the first cell beside a kink in pitches.
+FINEST = 4e-5
 SEARCH, SECTIONS, ROUNDS = 200, 40, 4
 # Change of the logarithm of the radius over a cell from which on the cell is divided.
 BEND, MOST_PARTS = 0.03, 8
 # A contact point that moves this many times farther in a step than the median has jumped.
 JUMP = 5.0
 GONE = 1.0
+# Cells of a pair for one of the compliance between two.
+COUPLED = 4
 # Levels of samples below the tabulated ones, and Newton steps from them: the slope is taken where the last step, squared, ends.
 BELOW, MOST_NEWTON, CLOSE = 8, 30, 1e-6
 FLANK, ON_FLANK = 1, 6
@@ -105,17 +106,10 @@ def kernels() -> ModuleType:
     return module
 
 
-def levels(module: float) -> Array:
-    """Return the logarithms of the approaches [m] at which laws are tabulated, for a gear module [m]."""
-    top = math.log(REACH / LARGEST_OVERLOAD * module)
-    count = math.ceil((top - math.log(LOWEST * module)) / LEVEL) + 1
-    return np.asarray(top - LEVEL * np.arange(count)[::-1], np.float64)
-
-
 def way_of(mesh: Mesh, number: int) -> Way:
     """Return the way of a pair, see `pair_table`; what yields has no part in it."""
     spans, rough = _spans(mesh, number)
-    knots = [_split(_graded(span, CELLS), rough) for span in spans]
+    knots = [_split(_graded(span, mesh.grid.cells, mesh.grid.growth), rough) for span in spans]
     return Way(spans, knots, _contacts(mesh, number, np.concatenate([_inside(part) for part in knots])))
 
 
@@ -174,9 +168,7 @@ def pair_table(mesh: Mesh, number: int, way: Way | None = None) -> PairTable:
     )
 
 
-def coupling_table(
-    mesh: Mesh, number: int, apart: int, tables: tuple[PairTable, PairTable], cells: int = CELLS // 4
-) -> CouplingTable | None:
+def coupling_table(mesh: Mesh, number: int, apart: int, tables: tuple[PairTable, PairTable]) -> CouplingTable | None:
     """Tabulate the compliance between two pairs, or return None if they are never in reach together.
 
     Parameters
@@ -187,8 +179,6 @@ def coupling_table(
         Number of the first pair, and by how many pitches the other one follows.
     tables : (PairTable, PairTable)
         Of the first pair and of the other.
-    cells : int
-        Cells to the pitch.
 
     Returns
     -------
@@ -205,7 +195,8 @@ def coupling_table(
         return None
     kinks = {*tables[0].kinks, *(kink + apart for kink in tables[1].kinks)}
     ends = [low, *sorted(kink for kink in kinks if low + FINEST < kink < high - FINEST), high]
-    parts = [_graded(Span(a, b, (False, False), FLANK), cells) for a, b in itertools.pairwise(ends)]
+    cells = mesh.grid.cells // COUPLED
+    parts = [_graded(Span(a, b, (False, False), FLANK), cells, mesh.grid.growth) for a, b in itertools.pairwise(ends)]
     rows = np.concatenate([_inside(part) for part in parts])
     contacts = _contacts(mesh, number, rows, (number, number + apart))
     linear = read_compliance(mesh.compliance, contacts).linear
@@ -270,11 +261,11 @@ def _sections(mesh: Mesh, number: int, x: Array, found: NDArray[np.intp]) -> tup
     return low, high
 
 
-def _graded(span: Span, cells: int) -> Array:
+def _graded(span: Span, cells: int, growth: float) -> Array:
     """Return knots of a span, closer together beside kinks."""
     length = span.end - span.start
-    count = max(math.ceil(-math.log(cells * FINEST) / math.log(GROWTH)), 1)
-    ramp = FINEST * (GROWTH ** np.arange(count + 1) - 1.0) / (GROWTH - 1.0)
+    count = max(math.ceil(-math.log(cells * FINEST) / math.log(growth)), 1)
+    ramp = FINEST * (growth ** np.arange(count + 1) - 1.0) / (growth - 1.0)
     ramp = ramp[ramp < 0.45 * length]
     first = ramp if span.sharp[0] else ramp[:1]
     last = length - (ramp if span.sharp[1] else ramp[:1])[::-1]

@@ -12,14 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.engagement.engage import Mesh
-from gearfem.engagement.pair_table import LEVEL, CouplingTable, PairTable, coupling_table, pair_table, way_of
+from gearfem.engagement.grid import LEVEL, levels
+from gearfem.engagement.pair_table import CouplingTable, PairTable, coupling_table, pair_table, way_of
 from gearfem.foundation import Array
 
 Table = TypeVar("Table")
 Ints = NDArray[np.int64]
 
 BINS = 1024
-# A table takes 2 MB, a way or a coupling little: 0.4 GB at most.
+# A fine table takes 2 MB, a way or a coupling little: 0.4 GB at most.
 KEPT = 192
 _memory: OrderedDict[Hashable, Any] = OrderedDict()
 
@@ -32,7 +33,7 @@ class Kind(NamedTuple):
 
 
 class Common(NamedTuple):
-    """Digests of what all pairs share: of where the teeth stand, and of how they touch."""
+    """Digests of what all pairs share: of where the teeth stand and how closely they are tabulated, and of how they touch."""
 
     placement: str
     contact: str
@@ -58,9 +59,9 @@ class Stack:
     early: float
     count: int
 
-    def arrays(self, lowest: float, late: tuple[Array, Array]) -> tuple[Any, ...]:
+    def arrays(self, module: float, late: tuple[Array, Array]) -> tuple[Any, ...]:
         """Return the arguments of the loops from `early` on."""
-        own = (self.early, self.tables, *late, self.knots, self.bins, self.shape, self.law, lowest, LEVEL)
+        own = (self.early, self.tables, *late, self.knots, self.bins, self.shape, self.law, float(levels(module)[0]), LEVEL)
         return (*own, self.partners, self.cknots, self.cbins, self.coupling)
 
 

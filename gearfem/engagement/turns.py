@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearfem.definition.setup import Member
-from gearfem.engagement.contacts import REACH
-from gearfem.engagement.engage import LARGEST_OVERLOAD, Mesh
-from gearfem.engagement.pair_table import kernels, levels
+from gearfem.engagement.engage import Mesh
+from gearfem.engagement.grid import largest_approach
+from gearfem.engagement.pair_table import kernels
 from gearfem.engagement.turn_stack import Common, Kind, Stack, make_stack
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.record import digest
@@ -133,7 +133,7 @@ class Turns(Record):
     @functools.cached_property
     def common(self) -> Common:
         """What all pairs share."""
-        return Common(digest(self.bare.placement), digest((self.bare.law, self.bare.flanks.lead)))
+        return Common(digest((self.bare.placement, self.bare.grid)), digest((self.bare.law, self.bare.flanks.lead)))
 
     @functools.cached_property
     def plain(self) -> Turns:
@@ -220,7 +220,7 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
     base = pair.pinion.base_radius
     size = pair.face_width, base, pair.wheel.base_radius, 1.0 / (base * pair.pinion.pitch_angle)
     gap = runout_gap(placement, angle)[0]
-    tables = stack.arrays(float(levels(pair.pinion.module)[0]), late)
+    tables = stack.arrays(pair.pinion.module, late)
     failed = kernels().share(
         pitches, load, gap, float(friction), placement.support, *size, *tables, error, slope, first, force, moment, weight1, weight2
     )
@@ -242,7 +242,7 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
 
 
 def _fail(turns: Turns, torque: float, angle: float, solved: bool) -> None:
-    limit = REACH / LARGEST_OVERLOAD * turns.mesh.placement.pair.pinion.module
+    limit = largest_approach(turns.mesh.placement.pair.pinion.module)
     if solved:
         found = f"{torque:g} N m, which presses a pair by more than {limit / MM:.4g} mm"
         raise InputError("operation.pinion_torque_Nm", found, "a torque that moves the teeth by at most a twentieth of the module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -33,6 +34,14 @@ class Record:
                     value = value.copy()
                     value.flags.writeable = False
                     object.__setattr__(self, field.name, value)
+
+    @cached_property
+    def _digest(self) -> str:
+        sha = hashlib.sha256(type(self).__name__.encode() + b":")
+        for field in dataclasses.fields(self):
+            sha.update(field.name.encode())
+            _feed(sha, getattr(self, field.name))
+        return sha.hexdigest()
 
     def __str__(self) -> str:
         """Return the fields in brief, a line each: of arrays shape and range, of other records their sentence or name."""
@@ -71,6 +80,8 @@ def digest(value: Any) -> str:
     TypeError
         If a part is of another type, since its content is then unknown.
     """
+    if isinstance(value, Record):
+        return value._digest
     sha = hashlib.sha256()
     _feed(sha, value)
     return sha.hexdigest()
@@ -79,9 +90,7 @@ def digest(value: Any) -> str:
 def _feed(sha: Any, value: Any) -> None:
     sha.update(type(value).__name__.encode() + b":")
     if isinstance(value, Record):
-        for field in dataclasses.fields(value):
-            sha.update(field.name.encode())
-            _feed(sha, getattr(value, field.name))
+        sha.update(value._digest.encode())
     elif isinstance(value, np.ndarray):
         sha.update(repr((value.dtype.str, value.shape)).encode() + np.ascontiguousarray(value).tobytes())
     elif isinstance(value, (list, tuple)):

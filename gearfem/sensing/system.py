@@ -9,6 +9,7 @@ from gearfem.contact.scaled import Law
 from gearfem.definition.setup import Setup
 from gearfem.dynamics.record import DriveTrain
 from gearfem.engagement import Mesh
+from gearfem.engagement.grid import FINE, Grid
 from gearfem.flank import Flanks
 from gearfem.foundation import Record
 from gearfem.placement import Placement
@@ -25,6 +26,8 @@ class System(Record):
         What it was made from.
     flanks, compliance, placement, law, drive, instrument : records
         Of the stages flank, compliance, placement, contact, drive and sensing.
+    grid : Grid
+        How closely pairs of teeth are tabulated.
     """
 
     setup: Setup
@@ -34,11 +37,12 @@ class System(Record):
     law: Law
     drive: DriveTrain
     instrument: Instrument
+    grid: Grid = FINE
 
     @property
     def mesh(self) -> Mesh:
         """What the engagement is computed from."""
-        return Mesh(flanks=self.flanks, placement=self.placement, compliance=self.compliance, law=self.law)
+        return Mesh(flanks=self.flanks, placement=self.placement, compliance=self.compliance, law=self.law, grid=self.grid)
 
     def torque(self, stated: float) -> float:
         """Return the true torque [N m] behind one that a record states."""

@@ -23,8 +23,9 @@ SCALE = 3.0
 RECORD = {"samples_per_turn": 234, "turns": 1.4}
 # Mesh stiffness has no constant of its own: without it nobody sees what bodies add to every load position alike.
 RECORDS = [
-    {"file": "te_40Nm.csv", "quantity": "static_transmission_error", "pinion_torque_Nm": 40.0} | RECORD,
-    {"file": "stiffness_40Nm.csv", "quantity": "mesh_stiffness", "pinion_torque_Nm": 40.0} | RECORD,
+    {"file": f"{name}_{torque:g}Nm.csv", "quantity": quantity, "pinion_torque_Nm": torque} | RECORD
+    for name, quantity in (("te", "static_transmission_error"), ("stiffness", "mesh_stiffness"))
+    for torque in (40.0, 120.0)
 ]
 
 

@@ -10,8 +10,10 @@ import pytest
 
 from gearfem.compliance import make_compliance
 from gearfem.contact import EdgedLine
+from gearfem.effects.lead_misalignment import LeadMisalignment
 from gearfem.engagement import Mesh, engage
-from gearfem.engagement.pair_table import levels, pair_table
+from gearfem.engagement.grid import COARSE, levels
+from gearfem.engagement.pair_table import pair_table
 from gearfem.engagement.turns import Turns, static
 from gearfem.flank import make_flanks
 from gearfem.flank.deviation import Deviation
@@ -80,19 +82,37 @@ def test_late_and_eccentric_teeth_are_those_of_engage(mesh, torque) -> None:
     assert np.abs(deviating(turns, angle, torque)).max() < 5e-5
 
 
-def test_odd_teeth_are_those_of_engage(mesh, torque) -> None:
-    """Measured: 1e-5 and 1e-4, where the curvature of the hollow changes within a cell."""
-    rng = np.random.default_rng(9)
+def uneven(mesh: Mesh) -> Mesh:
+    """Return a mesh with a hollow on one tooth of the pinion, and a soft one."""
     outline, softer = mesh.flanks.pinion, dataclasses.replace(mesh.compliance.pinion, deflection=1.4 * mesh.compliance.pinion.deflection)
     none = Deviation.none(outline.gear)
     end, wide = none.roll[-1], 0.6 * outline.gear.module
     hollow = none.plus(lambda roll: 4e-6 * np.where(np.abs(roll - 0.6 * end) < wide, 1.0 + np.cos(np.pi * (roll - 0.6 * end) / wide), 0.0))
     flanks = dataclasses.replace(mesh.flanks, pinion_odd=((2, dataclasses.replace(outline, deviation=hollow)),))
     compliance = dataclasses.replace(mesh.compliance, pinion_odd=((4, softer),))
-    turns = Turns(mesh=dataclasses.replace(mesh, flanks=flanks, compliance=compliance))
-    miss = deviating(turns, rng.uniform(1.0, 5.0, 150) * pitch_of(mesh), torque)
+    return dataclasses.replace(mesh, flanks=flanks, compliance=compliance)
+
+
+def test_odd_teeth_are_those_of_engage(mesh, torque) -> None:
+    """Measured: 1e-5 and 1e-4, where the curvature of the hollow changes within a cell."""
+    angle = np.random.default_rng(9).uniform(1.0, 5.0, 150) * pitch_of(mesh)
+    miss = deviating(Turns(mesh=uneven(mesh)), angle, torque)
     assert np.abs(miss).max() < 5e-4
     assert np.sqrt((miss**2).mean()) < 5e-5
+
+
+@pytest.mark.parametrize(("kind", "rms", "most"), [("even", 3e-5, 4e-4), ("misaligned", 3e-5, 4e-4), ("uneven", 2e-3, 4e-2)])
+@pytest.mark.parametrize("part", [0.05, 1.0, 3.0])
+def test_coarse_tables_miss_what_the_grid_says(mesh, torque, kind, rms, most, part) -> None:
+    """Measured: 1e-5 and 2e-4 of the deviation; with a hollow 1e-3 and 2e-2."""
+    flanks = LeadMisalignment(slope=5e-6).act(mesh.flanks, None)
+    own = {"even": mesh, "misaligned": dataclasses.replace(mesh, flanks=flanks), "uneven": uneven(mesh)}[kind]
+    angle = np.random.default_rng(10).uniform(0.0, 5.0, 600) * pitch_of(mesh)
+    fine, coarse = (
+        static(Turns(mesh=one), angle, part * torque).transmission_error for one in (own, dataclasses.replace(own, grid=COARSE))
+    )
+    assert np.sqrt(((coarse - fine) ** 2).mean()) < rms * fine.std()
+    assert np.abs(coarse - fine).max() < most * fine.std()
 
 
 def test_order_and_turns_do_not_matter(mesh, torque) -> None:
