@@ -47,12 +47,7 @@ def at_rest(
     part = part_of(problem, slow)
     starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge)) for edge in edges]
 
-    def one(unknown: Array) -> Fit:
-        here = copy.copy(part)
-        return here.fit(effects, here.prepare(effects, unknown), fresh=True)
-
-    best = min(side_by_side(one, starts), key=lambda fit: fit.objective)
-    best = again(part, best.effects, best.point.unknown)
+    best = min(side_by_side(lambda unknown: again(copy.copy(part), effects, unknown), starts), key=lambda fit: fit.objective)
     return best.effects, best.settings
 
 

@@ -66,6 +66,8 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     explained = (record.value - left for record, left in zip(records, found.left, strict=True))
     noises = tuple(measure_noise(record, pair, part) for record, part in zip(records, explained, strict=True))
     problem = Problem(campaign, records, noises, scatter or Scatter(terms=TERMS), make)
+    # Solid elements for leads, before the work is shared out: what children compute is lost with them.
+    problem.predict((), problem.unknowns.of(dataclasses.replace(level, errors=(1.0,) * len(problem.bench(()).errors))))
     progress("nuisances", 1, 4)
     _, start = at_rest(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset))
     progress("nuisances", 2, 4)
