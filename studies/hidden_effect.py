@@ -146,6 +146,9 @@ def _side_by_side(cases: Sequence[Case], jobs: int) -> Iterator[tuple[Case, str]
                 yield work[future], future.result()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
+        # Campaigns that were not finished begin again: nobody waits for them.
+        for worker in multiprocessing.active_children():
+            worker.terminate()
 
 
 # ---- score ---------------------------------------------------------------------------------------------
@@ -220,4 +223,5 @@ def _generated(options: argparse.Namespace) -> list[Case]:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     main()

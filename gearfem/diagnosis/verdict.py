@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import sys
 from typing import Literal
 
 import numpy as np
@@ -247,14 +248,14 @@ def gap_left(fit: Fit, problem: Problem) -> float:
 
 
 def _p_value(search: Search, best: Fit, number: int) -> float:
-    """Return the chance of the gain of one effect, times the explanations that were tried."""
-    without = search.fits.get(label(best.effects[:number] + best.effects[number + 1 :]))
-    if without is None:
-        return 0.0
+    """Return the chance of the gain of one effect over the others, or over nuisances alone if they have no fit, times what was tried."""
+    without = search.fits.get(label(best.effects[:number] + best.effects[number + 1 :]), search.alone)
     gain = without.objective - best.objective
     pair = search.problem.campaign.setup.pair
     trials = 40 + 3 * (pair.pinion.teeth + pair.wheel.teeth)
-    return min(1.0, trials * float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters()))))
+    chance = float(chi2.sf(max(gain, 0.0), len(best.effects[number].parameters())))
+    # Chances below what a number can hold are not 0.
+    return min(1.0, trials * max(chance, sys.float_info.min))
 
 
 def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
