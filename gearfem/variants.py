@@ -4,14 +4,41 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable
+from typing import Any, Protocol
 
-from gearfem.compliance.body import scale_body
-from gearfem.compliance.record import ToothCompliance
-from gearfem.contact.scaled import ScaledLaw
+from gearfem.compliance.record import Compliance, ToothCompliance
+from gearfem.definition.setup import Setup
+from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.centre_distance import CentreDistance
+from gearfem.effects.contact_compliance import ContactCompliance
+from gearfem.effects.effect import Stage
+from gearfem.effects.friction import Friction
 from gearfem.effects.lead_misalignment import LeadMisalignment
 from gearfem.foundation.units import UM
 from gearfem.sensing import System
+
+# Part of a System that effects of a stage act on.
+PARTS: dict[Stage, str] = {
+    "flank": "flanks",
+    "compliance": "compliance",
+    "placement": "placement",
+    "contact": "law",
+    "drive": "drive",
+    "sensing": "instrument",
+}
+
+
+class Cause(Protocol):
+    """What acts on the part of one stage, as effects do."""
+
+    @property
+    def stage(self) -> Stage:
+        """Stage whose part it changes."""
+        ...
+
+    def act(self, part: Any, setup: Setup) -> Any:
+        """Return the part with itself in it."""
+        ...
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -24,8 +51,8 @@ class Variant:
         Field of `Calibration`.
     words : str
         For reports, with its standard deviation.
-    act : callable
-        Takes a System and the value of the field, and returns the system that is wrong by so much.
+    cause : callable
+        Takes a System and the value of the field, and returns what would do the same: an effect, where the catalogue has one.
     size : float
         One standard deviation: a factor, or what is added [SI].
     is_scale : bool
@@ -36,7 +63,7 @@ class Variant:
 
     name: str
     words: str
-    act: Callable[[System, float], System]
+    cause: Callable[[System, float], Cause]
     size: float
     is_scale: bool
     least: float = -4.0
@@ -50,6 +77,12 @@ class Variant:
         """Return the value of two errors together."""
         return one * other if self.is_scale else one + other
 
+    def act(self, system: System, value: float) -> System:
+        """Return the system that is wrong by so much."""
+        cause = self.cause(system, value)
+        part = PARTS[cause.stage]
+        return dataclasses.replace(system, **{part: cause.act(getattr(system, part), system.setup)})
+
 
 def varied(system: System, errors: Iterable[tuple[Variant, float]]) -> System:
     """Return a system that is wrong in some ways, by the value of each."""
@@ -58,42 +91,68 @@ def varied(system: System, errors: Iterable[tuple[Variant, float]]) -> System:
     return system
 
 
-def _contact(system: System, scale: float) -> System:
-    return dataclasses.replace(system, law=ScaledLaw(law=system.law, scale=scale))
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ContactDepth:
+    """Depth of the contact, of all teeth, as a multiple of the computed one."""
+
+    scale: float
+    stage: Stage = "compliance"
+
+    def act(self, compliance: Compliance, setup: Setup) -> Compliance:
+        """Scale the depths."""
+
+        def deeper(tooth: ToothCompliance) -> ToothCompliance:
+            return dataclasses.replace(tooth, local_depth=tooth.local_depth * self.scale)
+
+        return compliance.each(deeper)
 
 
-def _body(system: System, scale: float) -> System:
-    return dataclasses.replace(system, compliance=scale_body(system.compliance, scale))
-
-
-def _depth(system: System, scale: float) -> System:
-    def deeper(tooth: ToothCompliance) -> ToothCompliance:
-        return dataclasses.replace(tooth, local_depth=tooth.local_depth * scale)
-
-    return dataclasses.replace(system, compliance=system.compliance.each(deeper))
-
-
-def _friction(system: System, coefficient: float) -> System:
-    drive = system.drive
-    return dataclasses.replace(system, drive=dataclasses.replace(drive, friction_coefficient=drive.friction_coefficient + coefficient))
-
-
-def _misaligned(system: System, slope: float) -> System:
-    return dataclasses.replace(system, flanks=LeadMisalignment(slope=slope).act(system.flanks, system.setup))
-
-
-def _misplaced(system: System, amount: float) -> System:
-    return dataclasses.replace(system, placement=CentreDistance(amount=amount).act(system.placement, system.setup))
+def _rubbing(system: System, more: float) -> Friction:
+    return Friction(coefficient=system.drive.friction_coefficient + more)
 
 
 # Sizes: what independent ways of computing each part differ by, and what nobody measured. Laws of contact: the linear one of Yang and Sun
 # yields a third of Weber and Banaschek's. Depth of the contact: twice the way from the depth that yields as the tooth does to Weber and
 # Banaschek's. Housings and bearings hold shafts to some hundredths of a millimetre. Friction and misalignment act alike to either side.
 VARIANTS = (
-    Variant(name="contact_scale", words="contact law, 50 %", act=_contact, size=1.5, is_scale=True),
-    Variant(name="body_scale", words="gear bodies, 20 %", act=_body, size=1.2, is_scale=True),
-    Variant(name="depth_scale", words="depth of the contact, 40 %", act=_depth, size=0.6, is_scale=True, least=-2.0, most=2.0),
-    Variant(name="friction", words="tooth friction, 0.02", act=_friction, size=0.02, is_scale=False, least=0.0),
-    Variant(name="misalignment", words="misalignment, 1 um over the face width", act=_misaligned, size=1.0 * UM, is_scale=False, least=0.0),
-    Variant(name="centre_distance", words="centre distance, 20 um", act=_misplaced, size=20.0 * UM, is_scale=False, least=-2.0),
+    Variant(
+        name="contact_scale",
+        words="contact law, 50 %",
+        cause=lambda system, scale: ContactCompliance(scale=scale),
+        size=1.5,
+        is_scale=True,
+    ),
+    Variant(
+        name="body_scale",
+        words="gear bodies, 20 %",
+        cause=lambda system, scale: BodyCompliance(scale=scale),
+        size=1.2,
+        is_scale=True,
+    ),
+    Variant(
+        name="depth_scale",
+        words="depth of the contact, 40 %",
+        cause=lambda system, scale: ContactDepth(scale=scale),
+        size=0.6,
+        is_scale=True,
+        least=-2.0,
+        most=2.0,
+    ),
+    Variant(name="friction", words="tooth friction, 0.02", cause=_rubbing, size=0.02, is_scale=False, least=0.0),
+    Variant(
+        name="misalignment",
+        words="misalignment, 1 um over the face width",
+        cause=lambda system, slope: LeadMisalignment(slope=slope),
+        size=1.0 * UM,
+        is_scale=False,
+        least=0.0,
+    ),
+    Variant(
+        name="centre_distance",
+        words="centre distance, 20 um",
+        cause=lambda system, amount: CentreDistance(amount=amount),
+        size=20.0 * UM,
+        is_scale=False,
+        least=-2.0,
+    ),
 )

@@ -130,7 +130,8 @@ def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], prog
 
 def _again(search: Search, starts: Sequence[Start], progress: Progress) -> None:
     """Fit again what started far from where it ends: a first look says little."""
-    search.settle([search.fits[label(effects)] for effects, _ in starts if label(effects) in search.fits], progress, "these again")
+    labels = dict.fromkeys(label(effects) for effects, _ in starts)
+    search.settle([search.fits[one] for one in labels if one in search.fits], progress, "these again")
 
 
 def _of_each_way(candidates: Sequence[Candidate]) -> list[Candidate]:

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from gearfem.diagnosis.bench import Bench, Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.effects.damping import Damping
+from gearfem.effects.effect import Effect
+from gearfem.effects.sensor_gain import SensorGain
 from gearfem.foundation import Array, Record
+from gearfem.sensing import System
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -33,6 +38,8 @@ class Nuisance(Record):
         Value of the model.
     is_scale : bool
         Whether it multiplies by more or less and never by nothing.
+    cause : callable, optional
+        Takes a System and a value of the setting, and returns the effect that would do the same.
     """
 
     name: str
@@ -42,6 +49,7 @@ class Nuisance(Record):
     reach: float = 5.0
     level: float = 1.0
     is_scale: bool = True
+    cause: Callable[[System, float], Effect] | None = None
 
     @property
     def unit(self) -> str:
@@ -57,16 +65,20 @@ class Nuisance(Record):
         return (math.log(value) if self.is_scale else value - self.level) / self.prior
 
 
+def _damped(system: System, scale: float) -> Damping:
+    return Damping(ratio=system.drive.damping_ratio * scale)
+
+
 # Torque and stiffness act as their ratio on everything slow; Young's modulus (1 %) is merged with the stiffness scale (5 %).
 SCALES = (
     Nuisance(name="stiffness_scale", words="stiffness of teeth and bodies, Young's modulus included", prior=math.hypot(0.05, 0.01)),
     Nuisance(name="torque_scale", words="torque", prior=0.01, step=0.5),
-    Nuisance(name="gain", words="sensor gain", prior=0.02, step=0.5),
+    Nuisance(name="gain", words="sensor gain", prior=0.02, step=0.5, cause=lambda system, scale: SensorGain(scale=scale)),
 )
 # Inertias are known to 2 %; what they swing on errs by more than its compliance in series does, some 3 % of natural frequencies squared.
 MOVING = (
     Nuisance(name="inertia_scale", words="inertias", prior=math.hypot(0.02, 0.03), step=0.25),
-    Nuisance(name="damping_scale", words="damping ratio", prior=0.30, reach=3.0),
+    Nuisance(name="damping_scale", words="damping ratio", prior=0.30, reach=3.0, cause=_damped),
 )
 # Mean stiffnesses of the models in use differ by some 10 %, however well they agree on its course over the pitch: of that of a usual mesh,
 # 20 N/(mm um) by ISO 6336-1 [N/m2].

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
+from gearfem.assembly import assemble
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.approach import at_rest, tuned
 from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.nuisances import Nuisance
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.shapes import bounded, stands
 from gearfem.diagnosis.side_by_side import side_by_side
@@ -17,6 +19,7 @@ from gearfem.diagnosis.verdict import gap_left
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress
+from gearfem.variants import Variant
 
 # Strengths at which effects are tried, in typical ones, and how many of them are worth a fit.
 STRENGTHS, MOST = (-1.0, 1.0, 4.0, 16.0), 4
@@ -39,7 +42,8 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
     Returns
     -------
     list of (tuple of Effect, ndarray of shape (k,))
-        Those that bring a model with its own scales nearest to the records, as slow records have them, tuned to the resonances.
+        Those that do what a scale or an error that strays does, in its place; and those that bring a model with its own scales nearest to
+        the records, as slow records have them, tuned to the resonances.
     """
     unknown = alone.point.unknown
     astray = problem.strayed(unknown).any() or beyond(unknown[problem.unknowns.wrong]).any()
@@ -74,4 +78,17 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         progress(words, len(jobs) + number, len(jobs) + MOST)
         starts.append(start)
     progress(words, len(jobs) + MOST, len(jobs) + MOST)
-    return starts
+    return [*_in_place(problem, unknown, {type(effect) for effect in whole}), *starts]
+
+
+def _in_place(problem: Problem, unknown: Array, kinds: set[type[Effect]]) -> Iterator[tuple[tuple[Effect, ...], Array]]:
+    """Yield the effect that would do what each scale or error of the model that strays does, and the unknowns without this."""
+    setup, unknowns = problem.campaign.setup, problem.unknowns
+    system, ways = assemble(setup), dict[int, Nuisance | Variant](enumerate(unknowns.errors, unknowns.wrong.start))
+    for place, way in ({place: unknowns.nuisances[place] for place in unknowns.scales} | ways).items():
+        if way.cause is None or not beyond(unknown[place]):
+            continue
+        effect, without = way.cause(system, way.value(float(unknown[place]))), unknown.copy()
+        without[place] = 0.0
+        if isinstance(effect, Effect) and type(effect) in kinds:
+            yield (bounded(effect, setup),), without

@@ -11,9 +11,11 @@ from gearfem.diagnosis import choose, compare, rank, read_campaign
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.straying import beyond, halves
-from gearfem.diagnosis.unveil import unveiled
+from gearfem.diagnosis.unveil import _in_place, unveiled
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.catalogue import catalogue
+from gearfem.effects.contact_compliance import ContactCompliance
+from gearfem.effects.sensor_gain import SensorGain
 from gearfem.foundation.progress import quiet
 from gearfem.variants import VARIANTS
 from tests.recovery.rig import PLAN, on_the_rig
@@ -64,8 +66,23 @@ def test_an_effect_whose_work_nuisances_do_is_found_where_they_stand_as_the_mode
     assert [variant.name for variant, far in zip(VARIANTS, astray, strict=True) if far > 0.0] == ["body_scale"]
     starts = unveiled(problem, alone, rank(problem, alone, KINDS), quiet)
     bodies = [effect.scale for effects, _ in starts for effect in effects if isinstance(effect, BodyCompliance)]
-    assert len(bodies) == 1
-    assert bodies[0] == pytest.approx(SCALE, rel=0.1)
+    # One does what the error does, in its place; the other is found without it.
+    error = float(alone.point.unknown[problem.unknowns.wrong][1])
+    assert bodies == pytest.approx([1.2**error, SCALE], rel=0.1)
+    assert starts[0][1][problem.unknowns.wrong].tolist()[1] == 0.0
+    assert np.count_nonzero(starts[0][1] != alone.point.unknown) == 1
+
+
+def test_effects_in_the_place_of_what_strays_do_the_same(veiled: Comparison) -> None:
+    problem, unknown = veiled.problem, np.zeros_like(veiled.alone.point.unknown)
+    gain = next(i for i, nuisance in enumerate(problem.nuisances) if nuisance.name == "gain")
+    unknown[[gain, problem.unknowns.wrong.start, problem.unknowns.wrong.start + 1]] = 4.0, -3.5, 2.0
+    before = problem.predict((), unknown)
+    starts = list(_in_place(problem, unknown, {SensorGain, ContactCompliance, BodyCompliance}))
+    assert [(type(effect), effect.scale) for (effect,), _ in starts] == [(SensorGain, np.exp(4.0 * 0.02)), (ContactCompliance, 1.5**-3.5)]
+    for effects, without in starts:
+        for one, other in zip(problem.predict(effects, without), before, strict=True):
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
 
 
 def test_nothing_is_looked_for_where_no_nuisance_strays(veiled: Comparison) -> None:
