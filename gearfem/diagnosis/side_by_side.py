@@ -36,7 +36,8 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> Itera
 
     Notes
     -----
-    Needs the fork of Unix; elsewhere, on one core, inside a child and for a single item the work is done here, one after the other.
+    Needs the fork of Unix; elsewhere, on one core, inside a child and for a single item the work is done here, one after the other. Where
+    an item fails, or the program is interrupted, the children end at once.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
     alone = multiprocessing.parent_process() is not None or "fork" not in multiprocessing.get_all_start_methods()
@@ -44,5 +45,13 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> Itera
         yield from map(work, items)
         return
     _shared["work"] = work
+    others = multiprocessing.active_children()
     with ProcessPoolExecutor(min(cores, len(items)), mp_context=multiprocessing.get_context("fork")) as pool:
-        yield from pool.map(_call, items)
+        try:
+            yield from pool.map(_call, items)
+        except BaseException:
+            # Nobody waits for the rest: an interrupt may reach this process alone.
+            for child in multiprocessing.active_children():
+                if child not in others:
+                    child.terminate()
+            raise

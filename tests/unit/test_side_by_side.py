@@ -1,0 +1,45 @@
+"""Work on all cores: results in order, and children that end where nobody waits for them."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from gearfem.diagnosis.side_by_side import side_by_side
+
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+FORKS = pytest.mark.skipif(CORES < 2 or "fork" not in multiprocessing.get_all_start_methods(), reason="works on one core here")
+
+
+def test_results_come_in_order() -> None:
+    factor = 3
+    assert list(side_by_side(lambda item: factor * item, range(7))) == [0, 3, 6, 9, 12, 15, 18]
+
+
+@FORKS
+@pytest.mark.parametrize("way", ["interrupt", "error"])
+def test_children_end_with_what_they_work_for(tmp_path: Path, way: str) -> None:
+    def work(item: int) -> int:
+        if way == "error" and item == 0:
+            raise ArithmeticError
+        (tmp_path / f"began_{item}").touch()
+        time.sleep(20.0)
+        (tmp_path / f"ended_{item}").touch()
+        return item
+
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        if way == "interrupt":
+            signal.setitimer(signal.ITIMER_REAL, 1.0)
+        with pytest.raises(KeyboardInterrupt if way == "interrupt" else ArithmeticError):
+            list(side_by_side(work, range(4)))
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert multiprocessing.active_children() == []
+    assert not list(tmp_path.glob("ended_*"))
