@@ -17,7 +17,6 @@ from gearfem.diagnosis.search import Label, Search, label, uneven, waves_of
 from gearfem.diagnosis.straying import LOST, STRAYED
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, Record
-from gearfem.variants import VARIANTS
 
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
 
@@ -197,11 +196,11 @@ def _turning(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
 
 
 def _misshapen(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
-    """Return the errors of our model in a fit, variants and forms common to all teeth, that are too large to be any."""
-    moved = fit.point.unknown[problem.unknowns.first_form :]
-    words = [f"error of the model, {variant.words}," for variant in VARIANTS]
-    words += ["a form common to all teeth"] * (len(moved) - len(words))
-    return [(word, float(one)) for word, one in zip(words, moved, strict=True) if abs(one) > LOST]
+    """Return the errors of our model in a fit that are too large to be any: variants, and of forms common to all teeth the largest."""
+    variants, forms = np.split(fit.point.unknown[problem.unknowns.first_form :], [len(problem.unknowns.errors)])
+    words = [*(f"error of the model, {variant.words}," for variant in problem.unknowns.errors), "forms common to all teeth, up to"]
+    largest = float(max(forms, key=abs, default=0.0))
+    return [(word, float(one)) for word, one in zip(words, [*variants, largest], strict=True) if abs(one) > LOST]
 
 
 def _within_reason(fit: Fit, problem: Problem) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -222,10 +223,20 @@ def _pictures(values: Mapping[str, Any], drawn: Mapping[str, Path], rendering: R
 
 def template(name: str) -> jinja2.Template:
     """Return a template of this package; a value that it asks for and does not get is an error."""
-    loader = jinja2.PackageLoader("gearfem", "report")
-    return jinja2.Environment(
-        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    ).get_template(name)
+    known = jinja2.Environment(
+        loader=jinja2.PackageLoader("gearfem", "report"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        finalize=_micro,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return known.get_template(name)
+
+
+def _micro(value: object) -> object:
+    """Return a text with the sign of the micrometre, which sentences for the terminal spell in ASCII; pictures and the rest as they are."""
+    return re.sub(r"(?<=[ (])um\b", "µm", value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
 
 def inline(path: Path) -> str:

@@ -14,8 +14,9 @@ from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import at_bounds, overdone
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, stays, uneven, waves_of
-from gearfem.diagnosis.verdict import _mirrored, closure, sentence_of
+from gearfem.diagnosis.verdict import _mirrored, _misshapen, closure, sentence_of
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.effect import Effect
@@ -25,6 +26,7 @@ from gearfem.effects.profile_wear import ProfileWear
 from gearfem.effects.runout import Runout
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation.units import MM, UM
+from gearfem.variants import VARIANTS
 
 
 def test_a_shape_may_be_wrong_by_a_share_of_its_depth(found: Diagnosis) -> None:
@@ -126,3 +128,12 @@ def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
     assert not mirrored(
         (Runout(gear="wheel", eccentricity=5.0 * UM, angle=1.0),), (Runout(gear="pinion", eccentricity=5.0 * UM, angle=1.0),)
     )
+
+
+def test_errors_of_the_model_too_large_to_be_any_are_told_and_of_common_forms_the_largest() -> None:
+    unknowns = SimpleNamespace(first_form=2, errors=VARIANTS)
+    moved = np.array([9.0, 9.0, 0.0, -5.5, 4.9, 0.0, 0.0, 0.0, 6.0, -7.0, 5.0, 1.0])
+    problem, fit = SimpleNamespace(unknowns=unknowns), SimpleNamespace(point=SimpleNamespace(unknown=moved))
+    told = _misshapen(cast(Problem, problem), cast(Fit, fit))
+    assert [size for _, size in told] == [-5.5, -7.0]
+    assert ["gear bodies" in told[0][0], "forms common" in told[1][0]] == [True, True]

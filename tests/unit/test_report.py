@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from markupsafe import Markup
 
 from gearfem.compliance import load_positions
 from gearfem.compliance.record import Compliance, ComplianceCurve, ToothCompliance
@@ -34,6 +35,7 @@ from gearfem.report import (
     write_stiffness,
     write_summary,
 )
+from gearfem.report.html import _micro
 
 PAIR_STIFFNESS = 1.2e9
 
@@ -359,6 +361,19 @@ def test_rows_left_out_are_counted(results, tmp_path):
 def test_report_without_comparison_has_no_such_section(results, tmp_path):
     page = write_report(Results(setup=results.setup, flanks=results.flanks), tmp_path).read_text(encoding="utf-8")
     assert "published" not in page.lower()
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("-14.4 um missing, 20 N/(mm um)", "-14.4 µm missing, 20 N/(mm µm)"),
+        ("data:image/png;base64,a/um+um=", "data:image/png;base64,a/um+um="),
+        ("in column deviation_um", "in column deviation_um"),
+        (Markup("<b> um</b>"), "<b> um</b>"),
+    ],
+)
+def test_pages_write_micrometres_with_their_sign(text: str, shown: str) -> None:
+    assert _micro(text) == shown
 
 
 def test_importing_the_package_loads_no_picture_library():
