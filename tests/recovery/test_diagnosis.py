@@ -109,8 +109,10 @@ def test_the_result_has_the_keys_and_units_of_its_format(found: Diagnosis) -> No
 
 def test_the_report_holds_its_pictures_and_asks_nothing_of_the_network(found: Diagnosis, tmp_path: Path) -> None:
     files = write_diagnosis_report(found, tmp_path)
-    page = files[0].read_text()
-    assert found.naming.sentence in page
+    page = files[0].read_text(encoding="utf-8")
+    # Pages write the micrometre with its sign.
+    assert " um " in found.naming.sentence
+    assert found.naming.sentence.replace(" um", " µm") in page
     assert page.count("data:image/png;base64,") == len(files) - 1 == 6
     assert "http" not in page
     for record in found.campaign.records:
