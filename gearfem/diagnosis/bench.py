@@ -103,6 +103,8 @@ class Swing(Record):
     ----------
     weights : Weights
         Of the teeth under the load that the motion puts on them.
+    shares : Weights
+        Shares of the pairs in that load, with which the damper sees their gaps.
     stiffness : ndarray, shape (n,)
         Slope of the force of the mesh over its deflection [N/m].
     damping : float
@@ -114,6 +116,7 @@ class Swing(Record):
     """
 
     weights: Weights
+    shares: Weights
     stiffness: Array
     damping: float
     train: LinearTrain
@@ -146,6 +149,10 @@ class Bench(Protocol):
     @property
     def pair(self) -> GearPair:
         """The gears."""
+
+    @property
+    def gain(self) -> float:
+        """Reading of the instrument over the true value."""
 
     @property
     def delay(self) -> float:

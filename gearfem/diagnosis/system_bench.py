@@ -63,6 +63,11 @@ class SystemBench(Record):
         return self.system.setup.pair
 
     @property
+    def gain(self) -> float:
+        """Reading of the instrument over the true value."""
+        return self.system.instrument.gain
+
+    @property
     def delay(self) -> float:
         """Time by which the instrument reads late [s]."""
         return self.system.instrument.delay
@@ -124,21 +129,24 @@ class SystemBench(Record):
     def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
         """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s].
 
-        Weights and stiffness are those of the slow engagement under the force that the motion has at each angle. Where the flanks part,
-        small errors decide when they meet again, and nothing linear is true any more: the stated torque and its mean stiffness stand in.
+        Weights and stiffness are those of the slow engagement under the force that the motion has at each angle, the damper's left out.
+        Where the flanks are apart no tooth weighs anything; that errors move when they part and meet is left out.
         """
         system = self._system(settings)
         turns, drive, base = Turns(mesh=system.mesh), system.drive, self.pair.pinion.base_radius
         load = self._torque(torque, settings)
-        force = march_turns(turns, drive, angle, speed=speed, torque=load, stride=STRIDE).mesh_force * base
+        force = march_turns(turns, drive, angle, speed=speed, torque=load, stride=STRIDE).elastic_force * base
         parted = force <= LEAST_LOAD * load
         held = static(turns, angle, np.where(parted, load, force))
         plan = make_plan(turns, drive, speed, load)
         # Supports on which the gears move with their masses are the train's.
         stiffness = 1.0 / (held.slope * base - (system.placement.support - plan.placement.support))
+        touching = ~parted[:, None]
+        share = touching * held.force / held.force.sum(axis=1)[:, None]
         return Swing(
-            weights=Weights(pairs=held.pairs, pinion=held.pinion_weight, wheel=held.wheel_weight),
-            stiffness=np.full(len(angle), stiffness[~parted].mean()) if parted.any() else stiffness,
+            weights=Weights(pairs=held.pairs, pinion=touching * held.pinion_weight, wheel=touching * held.wheel_weight),
+            shares=Weights(pairs=held.pairs, pinion=share, wheel=share),
+            stiffness=np.where(parted, 0.0, stiffness),
             damping=plan.damper,
             train=plan.train,
             base1=base,

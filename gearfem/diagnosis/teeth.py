@@ -70,12 +70,12 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     Slow transmission error: the weight of each pair times the polynomial where it touches. At speed the motion is linearised about
     itself, with the weights and the stiffness that its forces give the teeth, see `respond`. Of the largest Kw of a turn see `at_peaks`.
     """
-    name, pair = record.quantity.name, bench.pair
+    name, pair, gain = record.quantity.name, bench.pair, settings.gain * bench.gain
     if name == "static_transmission_error":
         angle = record.axis + settings.angle_offset
-        return settings.gain * _slow(bench.weights(angle, record.pinion_torque, settings), angle, pair, scatter.terms)
+        return _as_read(_slow(bench.weights(angle, record.pinion_torque, settings), angle, pair, scatter.terms), gain, scatter)
     if name in ("dynamic_transmission_error", "pinion_angular_acceleration"):
-        return settings.gain * _at_speed(record, bench, settings, scatter.terms)
+        return _as_read(_at_speed(record, bench, settings, scatter.terms), gain, scatter)
     out = np.zeros((len(record.axis), pair.pinion.teeth + pair.wheel.teeth, scatter.terms + 1))
     first = pair.pinion.teeth if record.gear == "wheel" else 0
     if name == "flank_profile":
@@ -102,6 +102,15 @@ def _polynomials(path: Array, pair: GearPair, terms: int, derivative: int = 0) -
     return np.asarray(np.where(inside, values[..., :terms] @ slopes, 0.0) * pair.pinion.base_radius / reach)
 
 
+def _as_read(columns: Array, gain: float, scatter: Scatter) -> Array:
+    """Return columns of true errors as they are read, in place: index errors times the gain.
+
+    Waviness is expected as it is read: if it were not, a gain would be the likelier the larger it is, since less waviness then suffices.
+    """
+    columns[:, :: scatter.terms + 1] *= gain
+    return columns
+
+
 def _path_of_roll(record: Measurement, pair: GearPair) -> Array:
     gear, sign = (pair.wheel, -1.0) if record.gear == "wheel" else (pair.pinion, 1.0)
     return sign * (record.axis - gear.base_radius * math.tan(pair.working_pressure_angle))
@@ -122,13 +131,15 @@ def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int)
     axis = record.axis - speed * bench.delay
     step = STEP * speed / oscillator.fastest
     if len(axis) > 1:
-        step = min(float(np.median(np.diff(axis))), step)
+        # Whole parts of the record's own steps: where these are equal, nothing is read between the grid's.
+        apart = float(np.median(np.diff(axis)))
+        step = apart / math.ceil(apart / step)
     ring = RING_DOWN * speed / max(oscillator.slowest, 1e-3 * oscillator.frequency)
-    start = axis[0] - min(ring, LONGEST_LEAD * 2.0 * math.pi)
-    grid = np.arange(start, axis[-1] + 2.0 * step, step)
+    before = math.ceil(min(ring, LONGEST_LEAD * 2.0 * math.pi) / step)
+    grid = axis[0] + step * np.arange(-before, math.ceil((axis[-1] - axis[0]) / step) + 2)
     angle = grid + settings.angle_offset
     swing = bench.swing(angle, record.pinion_torque, speed, settings)
-    errors, rates = (_slow(swing.weights, angle, bench.pair, terms, derivative) for derivative in (0, 1))
+    errors, rates = _slow(swing.weights, angle, bench.pair, terms), _slow(swing.shares, angle, bench.pair, terms, 1)
     moving = respond(errors, speed * rates, swing, step / speed, record.quantity.name == "pinion_angular_acceleration")
     moving = bench.read(moving, step / speed)
     between = BSpline.design_matrix(axis, np.pad(grid, 1, mode="edge"), 1)

@@ -255,12 +255,14 @@ def march(
     acceleration: Any,
     force: Any,
     moment: Any,
+    pressed: Any,
     means: Any,
 ) -> float:
     """Step from pitch `begin` past the last sample; the wheel torque follows its balance over `settling` pitches, then stays.
 
     `samples` (m,) are places, increasing; `state` (2, n) coordinates and rates at the start, and then at the end. Outputs (m,):
-    transmission error [m] and, unless these are empty, psi1'' [rad/s2], normal force [N] and moment of the teeth on the pinion [N m];
+    transmission error [m] and, unless these are empty, psi1'' [rad/s2], normal force [N], moment of the teeth on the pinion [N m] and
+    normal force without the damper [N];
     `means` (4,): mean moments on pinion and wheel, share of the time without contact on the working flank, and the least psi1'' of the
     steps between the samples, by parabolas through the least of them and its neighbours. Returns the wheel torque, NaN where it failed.
     """
@@ -319,6 +321,9 @@ def march(
                     return np.nan
                 accelerate(at, torque1, torque2, m1, m2, f, ys, vs, teeth, train, now)
                 force[sample - 1], moment[sample - 1], acceleration[sample - 1], moved = f, m1, now[size], True
+                pressed[sample - 1] = 0.0
+                for j in range(count):
+                    pressed[sample - 1] += desk[j, FORCE] * teeth.width
             if number >= begin + settling and not touching:
                 means[2] += stop - q
             for i in range(size):

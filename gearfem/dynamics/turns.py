@@ -39,6 +39,8 @@ class TurnsMotion(Record):
         jump of friction; 0 if no step lies there.
     mesh_force : ndarray, shape (n,)
         Normal force on the working flanks, less that on the back flanks [N].
+    elastic_force : ndarray, shape (n,)
+        Normal force of the working flanks without their damper [N].
     contact_loss : float
         Share of the time without contact on the working flank, from the first angle's pitch to the last one's.
     run_in : int
@@ -60,6 +62,7 @@ class TurnsMotion(Record):
     dynamic_factor: Array
     least_acceleration: float
     mesh_force: Array
+    elastic_force: Array
     contact_loss: float
     run_in: int
     remains: float
@@ -143,7 +146,7 @@ def march_turns(
     samples = angle[order] / pair.pinion.pitch_angle
     begin = math.floor(samples[0]) - plan.settling
     rows, count = rows_of(turns, begin, samples[-1])
-    error, at_angles, means = np.empty(angle.size), np.empty((3, angle.size if loads else 0)), np.zeros(4)
+    error, at_angles, means = np.empty(angle.size), np.empty((4, angle.size if loads else 0)), np.zeros(4)
     if start is None:
         lag, rate = _slow_start(turns, drive, torque, begin, speed)
         moved = (turns.mesh.placement.support - plan.placement.support) * torque / pair.pinion.base_radius
@@ -169,7 +172,7 @@ def march_turns(
         found = f"motion over turns at {speed:g} rad/s: it grows without bound, or its loads do not converge"
         raise SolveError(f"{found}; raise the damping or take a shorter stride")
     asked = np.argsort(order)
-    acceleration, force, moment = at_angles[:, asked] if loads else at_angles
+    acceleration, force, moment, pressed = at_angles[:, asked] if loads else at_angles
     return TurnsMotion(
         pinion_angle=angle,
         pinion_speed=speed,
@@ -180,6 +183,7 @@ def march_turns(
         dynamic_factor=moment / torque if drive.pinion_chain else 1.0 - drive.pinion_inertia * acceleration / torque,
         least_acceleration=float(means[3]) if math.isfinite(means[3]) else 0.0,
         mesh_force=force,
+        elastic_force=pressed,
         contact_loss=float(means[2]),
         run_in=plan.settling,
         remains=plan.remains,

@@ -94,9 +94,8 @@ class Springs(SystemBench):
 
     def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
         steady = np.full(len(angle), 2.0 * 5e3**2)
-        return Swing(
-            weights=self.weights(angle, torque, settings), stiffness=steady, damping=2.0 * 800.0, train=TWO_INERTIAS, base1=0.05, base2=0.1
-        )
+        weights = self.weights(angle, torque, settings)
+        return Swing(weights=weights, shares=weights, stiffness=steady, damping=2.0 * 800.0, train=TWO_INERTIAS, base1=0.05, base2=0.1)
 
 
 # Without errors of the model: what these springs measure they also predict.

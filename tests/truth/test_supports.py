@@ -203,7 +203,7 @@ def test_errors_of_teeth_come_through_on_supports_as_the_motion_has_them(soft: S
     exact = (bench.predict(record, settings) - bench.predict(record, neutral(pair))) / small
     off = np.std(columns[:, 2 * tooth] - exact) / np.std(exact)
     print(f"{quantity}: off by {off:.3f}")
-    assert off < 0.15
+    assert off < (0.03 if quantity == "dynamic_transmission_error" else 0.12)
 
 
 def test_the_largest_kw_changes_with_the_tooth_where_it_is_largest(soft: System) -> None:
