@@ -10,7 +10,7 @@ import numpy as np
 from gearfem.definition.setup import Setup
 from gearfem.effects.effect import Effect, Parameter
 
-# Further strengths at which an effect of all teeth is tried, as multiples of the typical one.
+# Further strengths at which an effect of all teeth is tried, as multiples of the typical one: on flanks, and elsewhere.
 DEEP, WIDE = (0.25, 4.0, 16.0), (0.4, 2.5, 6.0)
 # Natural frequencies between which a resonance is tried [Hz].
 FREQUENCIES = 200.0, 10000.0

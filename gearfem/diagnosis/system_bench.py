@@ -130,7 +130,7 @@ class SystemBench(Record):
         """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s].
 
         Weights and stiffness are those of the slow engagement under the force that the motion has at each angle, the damper's left out.
-        Where the flanks are apart no tooth weighs anything; that errors move when they part and meet is left out.
+        Where the flanks are apart no tooth weighs anything, though the damper stays; that errors move when they part and meet is left out.
         """
         system = self._system(settings)
         turns, drive, base = Turns(mesh=system.mesh), system.drive, self.pair.pinion.base_radius

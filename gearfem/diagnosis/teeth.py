@@ -106,6 +106,7 @@ def _as_read(columns: Array, gain: float, scatter: Scatter) -> Array:
     """Return columns of true errors as they are read, in place: index errors times the gain.
 
     Waviness is expected as it is read: if it were not, a gain would be the likelier the larger it is, since less waviness then suffices.
+    A trace of the flank off the rig has it as it is, which differs by the gain.
     """
     columns[:, :: scatter.terms + 1] *= gain
     return columns
@@ -152,7 +153,7 @@ def respond(errors: Array, rates: Array, swing: Swing, step: float, acceleration
     Parameters
     ----------
     errors, rates : ndarray, shape (n, k)
-        Errors as they weigh in the slow transmission error [m], and their rates [m/s], at equal steps of time.
+        Errors as they weigh in the slow transmission error [m], and their rates by shares of the load [m/s], at equal steps of time.
     swing : Swing
         The motion at the same times.
     step : float

@@ -196,11 +196,16 @@ def _turning(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
 
 
 def _misshapen(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
-    """Return the errors of our model in a fit that are too large to be any: variants, and of forms common to all teeth the largest."""
-    variants, forms = np.split(fit.point.unknown[problem.unknowns.first_form :], [len(problem.unknowns.errors)])
-    words = [*(f"error of the model, {variant.words}," for variant in problem.unknowns.errors), "forms common to all teeth, up to"]
-    largest = float(max(forms, key=abs, default=0.0))
-    return [(word, float(one)) for word, one in zip(words, [*variants, largest], strict=True) if abs(one) > LOST]
+    """Return the errors of our model in a fit that are too large to be any.
+
+    Variants, of forms common to all teeth the largest, and the rise of the largest Kw by waviness, which stands last.
+    """
+    errors = problem.unknowns.errors
+    variants, forms, rise = np.split(fit.point.unknown[problem.unknowns.first_form :], [len(errors), -1])
+    words = [f"error of the model, {variant.words}," for variant in errors]
+    words += ["forms common to all teeth, up to", "rise of the largest Kw by waviness"]
+    moved = [*variants, max(forms, key=abs, default=0.0), *rise]
+    return [(word, float(one)) for word, one in zip(words, moved, strict=True) if abs(one) > LOST]
 
 
 def _within_reason(fit: Fit, problem: Problem) -> Array:

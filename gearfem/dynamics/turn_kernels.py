@@ -138,8 +138,9 @@ def arrange(q: float, first: int, teeth: Teeth, rows: Rows, desk: Any, matrix: A
 @inlined
 def push(
     e: float, v: float, q: float, middle: float, teeth: Teeth, rows: Rows, desk: Any, matrix: Any, work: Any, right: Any
-) -> tuple[float, float, float]:
-    """Return the moments of the teeth on pinion and wheel and the force along the line of action; NaN without convergence.
+) -> tuple[float, float, float, float]:
+    """Return the moments of the teeth on pinion and wheel, the force along the line of action, and that on the working flanks without
+    the damper; NaN without convergence.
 
     Sliding has the direction that it has at `middle`, that of the step.
     """
@@ -153,7 +154,7 @@ def push(
         if miss < 1e-5:
             break
     else:
-        return np.nan, np.nan, np.nan
+        return np.nan, np.nan, np.nan, np.nan
     common, common_rate = wave(teeth.gaps, q * teeth.pitch)
     common_rate *= teeth.pitch
     force, moment1, moment2, gap_rate = 0.0, 0.0, 0.0, 0.0
@@ -169,14 +170,14 @@ def push(
     if force > 0.0:
         whole = force + teeth.damp * (v - gap_rate / force * teeth.speed)
         if whole <= 0.0:
-            return 0.0, 0.0, 0.0
-        return moment1 * whole / force, moment2 * whole / force, whole
+            return 0.0, 0.0, 0.0, force
+        return moment1 * whole / force, moment2 * whole / force, whole, force
     depth = common - e - teeth.play
     if depth > 0.0:
         back = teeth.stiffness * depth - teeth.damp * (v - common_rate * teeth.speed)
         if back > 0.0:
-            return -back * teeth.base1, -back * teeth.base2, -back
-    return 0.0, 0.0, 0.0
+            return -back * teeth.base1, -back * teeth.base2, -back, 0.0
+    return 0.0, 0.0, 0.0, 0.0
 
 
 @inlined
@@ -262,9 +263,9 @@ def march(
 
     `samples` (m,) are places, increasing; `state` (2, n) coordinates and rates at the start, and then at the end. Outputs (m,):
     transmission error [m] and, unless these are empty, psi1'' [rad/s2], normal force [N], moment of the teeth on the pinion [N m] and
-    normal force without the damper [N];
-    `means` (4,): mean moments on pinion and wheel, share of the time without contact on the working flank, and the least psi1'' of the
-    steps between the samples, by parabolas through the least of them and its neighbours. Returns the wheel torque, NaN where it failed.
+    normal force without the damper [N]; `means` (4,): mean moments on pinion and wheel, share of the time without contact on the working
+    flank, and the least psi1'' of the steps between the samples, by parabolas through the least of them and its neighbours. Returns the
+    wheel torque, NaN where it failed.
     """
     size = state.shape[1]
     desk, matrix, work, right = np.zeros((count, COLUMNS)), np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
@@ -291,7 +292,7 @@ def march(
                 at = q + share * (stop - q)
                 if stage % 2 == 1:
                     first = arrange(at, first, teeth, rows, desk, matrix, right)
-                m1, m2, f = push(dot(train.touch, ys), dot(train.touch, vs), at, middle, teeth, rows, desk, matrix, work, right)
+                m1, m2, f, _ = push(dot(train.touch, ys), dot(train.touch, vs), at, middle, teeth, rows, desk, matrix, work, right)
                 accelerate(at, torque1, torque2, m1, m2, f, ys, vs, teeth, train, last)
                 for i in range(size):
                     rise[i], rate[i] = rise[i] + h * weight * vs[i], rate[i] + h * weight * last[i]
@@ -316,14 +317,12 @@ def march(
                 if force.size == 0:
                     continue
                 first = arrange(at, first, teeth, rows, desk, matrix, right)
-                m1, m2, f = push(dot(train.touch, ys), dot(train.touch, vs), at, middle, teeth, rows, desk, matrix, work, right)
+                m1, m2, f, elastic = push(dot(train.touch, ys), dot(train.touch, vs), at, middle, teeth, rows, desk, matrix, work, right)
                 if not abs(f) < np.inf:
                     return np.nan
                 accelerate(at, torque1, torque2, m1, m2, f, ys, vs, teeth, train, now)
                 force[sample - 1], moment[sample - 1], acceleration[sample - 1], moved = f, m1, now[size], True
-                pressed[sample - 1] = 0.0
-                for j in range(count):
-                    pressed[sample - 1] += desk[j, FORCE] * teeth.width
+                pressed[sample - 1] = elastic
             if number >= begin + settling and not touching:
                 means[2] += stop - q
             for i in range(size):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -9,10 +10,11 @@ import pytest
 
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
-from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import make_record
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
+from gearfem.effects.sensor_gain import SensorGain
 from gearfem.foundation import Array
 from gearfem.foundation.units import UM
 
@@ -47,14 +49,10 @@ def test_index_errors_come_through_as_the_motion_has_them(small_pair: Setup, qua
 
 def test_waviness_counts_as_it_is_read(small_pair: Setup) -> None:
     """Index errors are read with the gain of settings and instrument; the waviness that is expected is that of the reading."""
-    bench, record = (
-        SystemBench(system=assemble(small_pair), errors=()),
-        make_record("static_transmission_error", np.linspace(0.0, TURN, 200), pinion_torque=TORQUE),
-    )
-    plain, gained = (
-        tooth_columns(record, bench, Settings(pinion_late=np.zeros(20), wheel_late=np.zeros(30), gain=gain), Scatter(terms=3))
-        for gain in (1.0, 1.1)
-    )
+    record = make_record("static_transmission_error", np.linspace(0.0, TURN, 200), pinion_torque=TORQUE)
+    benches = (SystemBench(system=assemble(small_pair, effects), errors=()) for effects in ((), (SensorGain(scale=1.25),)))
+    settings = (neutral(small_pair.pair), dataclasses.replace(neutral(small_pair.pair), gain=1.1))
+    plain, gained = (tooth_columns(record, *rig, Scatter(terms=3)) for rig in zip(benches, settings, strict=True))
     index = np.arange(plain.shape[1]) % 4 == 0
-    assert gained[:, index] == pytest.approx(1.1 * plain[:, index], rel=1e-12, abs=0.0)
+    assert gained[:, index] == pytest.approx(1.25 * 1.1 * plain[:, index], rel=1e-12, abs=0.0)
     assert np.array_equal(gained[:, ~index], plain[:, ~index])

@@ -9,7 +9,7 @@ from gearfem.diagnosis.shapes import shapes_of
 from gearfem.effects.profile_slope import ProfileSlope
 
 
-def test_an_effect_of_all_teeth_is_tried_from_a_quarter_of_its_typical_strength_on(small_pair: Setup) -> None:
+def test_an_effect_on_all_flanks_is_tried_from_a_quarter_of_its_typical_strength_on(small_pair: Setup) -> None:
     """Small ones beside nuisances that stray do not look like large ones, scaled."""
     typical = ProfileSlope.example(small_pair, "wheel")
     tried = [effect.amount for effect in shapes_of(typical, small_pair)]
