@@ -32,8 +32,6 @@ DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 DIFFERENCE = 0.03
 # Times that a fit is prepared anew at most, rounds of each, and times in a row that it may gain little.
 AGAIN, NEARBY, WORSE = 8, 2, 2
-# Parts of the way to where a round ends that are tried.
-SHARES = 1.0, 0.5, 0.25
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -49,7 +47,8 @@ class Fit(Record):
     bound : tuple of (int, str)
         Parameters that ended at a bound: number of the effect and field.
     objective : float
-        Squares of the whitened residual and of all nuisances in prior deviations, summed, and what scales cost that stray, see `beyond`.
+        Squares of the whitened residual and of all nuisances in prior deviations, summed, and what scales cost that stray, see `beyond`:
+        as attained where the fit stands.
     point : Point
         Where the fit ended.
     settings : Settings
@@ -104,82 +103,63 @@ def fit(
 
     Notes
     -----
-    Gauss and Newton's method on the objective that is left when everything linear (offsets, teeth, model form) has been
-    eliminated. Bounded least squares give the step of the parameters and of the scales, and steps that do not help are damped (Levenberg
-    and Marquardt's), since scales do nearly the work of effects and valleys are narrow. Derivatives are corrected by what each step shows,
-    and taken again every third round and before the fit ends. Columns of what is linear are those of the last `prepare`.
+    Gauss and Newton's method. Bounded least squares, from which everything linear nearby (offsets, teeth, model form) has been
+    eliminated, give the step of the parameters and of the scales; what is linear goes along to where it then leaves least, and a step
+    helps if less is attained there, nothing moved any further (`Problem.attained`). Steps that do not help are damped (Levenberg and
+    Marquardt's), since scales do nearly the work of effects and valleys are narrow. Derivatives are corrected by what each step shows, and
+    taken again every third round and before the fit ends. Columns of what is linear are those of the last `prepare`.
     """
     return _from(problem, problem.at(effects, unknown), rounds, hopeless, fresh)
 
 
 def _from(problem: Problem, point: Point, rounds: int, hopeless: float = np.inf, fresh: bool = False) -> Fit:
     """Return the fit from a point on, see `fit`; without rounds that of the point itself."""
-    derivatives, exact = jacobian(problem, point, fresh), True
+    derivatives, exact, attained = jacobian(problem, point, fresh), True, problem.attained(point)
     for number in range(rounds):
-        ahead = _ahead(problem, point, derivatives)
-        gained, small = point.objective - ahead.objective, _little(point.objective)
-        if (gained < small and exact) or (number > 0 and point.objective - 3.0 * gained > hopeless):
-            point = ahead
+        before, left = point, attained
+        point, attained = _ahead(problem, before, left, derivatives)
+        gained, small = left - attained, _little(left)
+        if (gained < small and exact) or (number > 0 and left - 3.0 * gained > hopeless):
             break
         exact = gained < small or number % EXACT == EXACT - 1
-        derivatives = jacobian(problem, ahead, fresh) if exact else _corrected(problem, derivatives, point, ahead)
-        point = ahead
-    left = problem.left(point)
-    white = problem.whiten(left)
+        derivatives = jacobian(problem, point, fresh) if exact else _corrected(problem, derivatives, before, point)
+    rest = problem.left(point)
+    white = problem.whiten(rest)
     return Fit(
         effects=point.effects,
         deviations=_deviations(problem, point, derivatives),
         bound=parameters.at_bounds(point.effects, problem.campaign.setup),
-        objective=point.objective,
+        objective=attained,
         point=point,
         settings=problem.settings(point.unknown),
         squares=problem.squares(white) / problem.counts,
-        left=left,
+        left=rest,
         white=white,
     )
 
 
-def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> Fit:
-    """Return the fit of effects from nuisances on, the problem prepared anew where it ends until that gains little; the best end counts.
+def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: int = AGAIN) -> Fit:
+    """Return the fit of effects from nuisances on, the problem prepared anew where it ends until that gains little, so many times at most.
 
-    The columns of what is linear change along the way: near a resonance, and where load passes from tooth to tooth. What a fit with the
-    columns of its start promises may not hold where it ends (`Problem.attained`): it goes only as far as less is attained. The problem
-    stays prepared where the fit stands that is returned.
+    The columns of what is linear change along the way: near a resonance, and where load passes from tooth to tooth. The problem stays
+    prepared near where the fit stands that is returned.
     """
-    # Index errors first: what they cost from where effects have not moved them is no measure of what follows.
-    best = problem.at(effects, problem.prepare(effects, unknown))
-    effects, unknown, weights = best.effects, best.unknown, best.weights
-    least, worse, there = np.inf, 0, copy.copy(problem)
+    best = point = problem.at(effects, problem.prepare(effects, unknown))
+    there, here, least, worse = copy.copy(problem), copy.copy(problem), problem.attained(best), 0
     # Where a round ends that cannot be computed, those before it count.
     with contextlib.suppress(InputError, SolveError):
-        for _ in range(AGAIN):
+        for _ in range(times):
+            end = _from(here, point, NEARBY)
+            ahead, little = end.point, _little(end.objective)
+            worse = 0 if least - end.objective > little else worse + 1
+            if end.objective < least:
+                least, best, there = end.objective, ahead, here
+            if worse == WORSE or here.attained(point) - end.objective < little:
+                break
             here = copy.copy(problem)
-            point = here.at(effects, here.prepare(effects, unknown), weights, WEIGHED)
-            attained = here.attained(point)
-            worse = 0 if attained < least - _little(least) else worse + 1
-            if attained < least:
-                least, best, there = attained, point, here
-            ahead = _from(here, point, NEARBY).point
-            if worse == WORSE or attained - ahead.objective < _little(attained):
-                break
-            nearer = _part_way(here, point, ahead, attained)
-            if nearer is None:
-                break
-            effects, unknown, weights = nearer
+            point = here.at(ahead.effects, here.prepare(ahead.effects, ahead.unknown), ahead.weights, WEIGHED)
     problem.__dict__.update(there.__dict__)
     return _from(problem, best, 0)
-
-
-def _part_way(problem: Problem, point: Point, ahead: Point, attained: float) -> tuple[tuple[Effect, ...], Array, Array] | None:
-    """Return effects, unknowns and weights as far on the way from one point to another as less is attained; None if it is nowhere."""
-    values, way = parameters.values(point.effects), parameters.values(ahead.effects)
-    for share in SHARES:
-        effects = parameters.moved(point.effects, values + share * (way - values))
-        unknown = point.stood + share * (ahead.unknown - point.stood)
-        there = problem.at(effects, unknown, ahead.weights, WEIGHED)
-        if problem.attained(there) < attained:
-            return effects, unknown, there.weights
-    return None
 
 
 def _little(objective: float) -> float:
@@ -214,17 +194,18 @@ def _corrected(problem: Problem, derivatives: Array, point: Point, ahead: Point)
     return np.asarray((scaled + np.outer(change - scaled @ step, step / (step @ step))) / sizes)
 
 
-def _ahead(problem: Problem, point: Point, derivatives: Array) -> Point:
-    """Return the next point, or the same one where no step helps."""
+def _ahead(problem: Problem, point: Point, left: float, derivatives: Array) -> tuple[Point, float]:
+    """Return the next point and what it attains, or the same one, where so much is left, if no step helps."""
     values, outer = parameters.values(point.effects), problem.outer
     for step in _steps(problem, point, derivatives):
         with contextlib.suppress(InputError, SolveError):
-            unknown = point.unknown.copy()
+            unknown = problem.foretold(point, derivatives @ step)
             unknown[:outer] += step[len(values) :]
             ahead = problem.at(parameters.moved(point.effects, values + step[: len(values)]), unknown, point.weights)
-            if ahead.objective < point.objective:
-                return ahead
-    return point
+            attained = problem.attained(ahead)
+            if attained < left:
+                return ahead, attained
+    return point, left
 
 
 def _steps(problem: Problem, point: Point, derivatives: Array) -> Iterator[Array]:

@@ -63,8 +63,17 @@ class Marginal(Record):
         return dataclasses.replace(self, columns=columns, products=tuple(product[:count, :count] for product in self.products))
 
     def some(self, places: NDArray[Any]) -> Marginal:
-        """Return the unknowns at some places alone, to settle by their products; they have no columns."""
-        return dataclasses.replace(self, columns=(), products=tuple(product[np.ix_(places, places)] for product in self.products))
+        """Return the unknowns at some places alone, to settle by their products; they have no columns. The latest ones are kept."""
+        key, known = places.tobytes(), self._parts
+        if key not in known:
+            known.clear()
+            known[key] = dataclasses.replace(self, columns=(), products=tuple(one[np.ix_(places, places)] for one in self.products))
+        return known[key]
+
+    @cached_property
+    def _parts(self) -> dict[bytes, Marginal]:
+        """The latest of some unknowns alone."""
+        return {}
 
     def weighed(self, weights: Array) -> Marginal:
         """Return the same columns with other weights; a fit tries its steps under the same ones, which are factorised once."""

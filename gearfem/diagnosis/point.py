@@ -26,10 +26,10 @@ class Point(Record):
         Measured less predicted, whitened, what the prediction holds of inner unknowns put back to 0.
     held : ndarray
         What the prediction holds among the inner unknowns: index errors, and errors of the model.
-    weights : ndarray, shape (r,)
-        What a squared whitened row of each record counts here, see `profile`.
+    given, weights : ndarray, shape (r,)
+        What a squared whitened row of each record counts where it was solved, and what it deserves here, see `profile`.
     objective : float
-        Cost of all records and squares of all nuisances in prior deviations, summed.
+        Cost of all records and squares of all nuisances in prior deviations, summed, as if all that is linear nearby were.
     """
 
     effects: tuple[Effect, ...]
@@ -37,6 +37,7 @@ class Point(Record):
     predicted: tuple[Array, ...]
     residual: Array
     held: Array
+    given: Array
     weights: Array
     objective: float
 

@@ -14,7 +14,7 @@ from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.columns import make_columns
 from gearfem.diagnosis.fit import ROUNDS, Fit, fit
-from gearfem.diagnosis.marginal import WEIGHED, Marginal, memory_of, profile
+from gearfem.diagnosis.marginal import Marginal, memory_of, profile
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import slopes
 from gearfem.diagnosis.point import Point
@@ -180,24 +180,30 @@ class Problem:
             predicted=predicted,
             residual=residual,
             held=held,
+            given=given if rounds == 1 else deserved,
             weights=deserved,
             objective=cost + float(solved @ solved + outer @ outer) + self._price(outer),
         )
 
     def attained(self, point: Point) -> float:
-        """Return the objective at a point with the unknowns that its prediction holds, where `at` moves them as if all were linear.
+        """Return the objective at a point with what its prediction holds as it is, where `at` moves it as if all were linear.
 
-        Errors of the model beyond what it can follow are linear indeed.
+        Errors of the model beyond what it can follow are linear indeed. What is linear leaves least under the weights that the point was
+        given, which trials of one step share: they are factorised once, and little is lost.
         """
         free = self.unknowns.at_limits(point.stood)
         places = self.unknowns.held[~free]
-        held = point.stood[places]
         still = np.setdiff1d(np.arange(len(point.held)), places - self.outer)
+        held, outer = point.stood[places], point.stood[: self.outer]
         misfit = point.residual - self.held_columns[:, ~free] @ held
         pulls = self.linear.pulls(misfit)[:, still]
-        solved, cost, _ = self._weigh(self.linear.some(still), pulls, self.squares(misfit), point.weights, WEIGHED)
-        fixed = np.concatenate([point.unknown[: self.outer], held])
-        return cost + float(solved @ solved + fixed @ fixed) + self._price(point.unknown)
+        solved, cost, _ = self._weigh(self.linear.some(still), pulls, self.squares(misfit), point.given, 1)
+        return cost + float(solved @ solved + held @ held + outer @ outer) + self._price(outer)
+
+    def foretold(self, point: Point, change: Array) -> Array:
+        """Return the unknowns of a point, those that are linear moved to where they leave least once predictions change, (m,) whitened."""
+        solved = self.linear.weighed(point.weights).solve(point.residual - change)
+        return np.concatenate([point.unknown[: self.outer], solved])
 
     def _weigh(self, linear: Marginal, pulls: Array, squares: Array, weights: Array, rounds: int) -> tuple[Array, float, Array]:
         """Return the linear unknowns that leave least, what records cost then, and what each deserves to count (r,), from weights on."""

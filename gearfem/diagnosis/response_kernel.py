@@ -80,13 +80,15 @@ def follow(
 
 
 @compiled
-def spread(pairs: Any, pinion: Any, wheel: Any, shapes: Any, teeth: int, out: Any) -> None:
-    """Add shapes (n, p, s) of pairs (n, p) by the weights of both teeth to those of the teeth, out (n, z1 + z2, s)."""
-    others = out.shape[1] - teeth
+def spread(pairs: Any, pinion: Any, wheel: Any, shapes: Any, teeth: int, others: int, first: int, out: Any) -> None:
+    """Add shapes (n, p, s) of pairs (n, p) by the weights of both teeth to those of some teeth from the first on, out (n, t, s)."""
+    count = out.shape[1]
     for row in range(pairs.shape[0]):
         for slot in range(pairs.shape[1]):
-            one, two = pairs[row, slot] % teeth, teeth + pairs[row, slot] % others
-            share, other = pinion[row, slot], wheel[row, slot]
-            for k in range(shapes.shape[2]):
-                out[row, one, k] += share * shapes[row, slot, k]
-                out[row, two, k] += other * shapes[row, slot, k]
+            one, two = pairs[row, slot] % teeth - first, teeth + pairs[row, slot] % others - first
+            if 0 <= one < count:
+                for k in range(shapes.shape[2]):
+                    out[row, one, k] += pinion[row, slot] * shapes[row, slot, k]
+            if 0 <= two < count:
+                for k in range(shapes.shape[2]):
+                    out[row, two, k] += wheel[row, slot] * shapes[row, slot, k]

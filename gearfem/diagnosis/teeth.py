@@ -19,6 +19,8 @@ from gearfem.foundation.units import UM
 
 # Ring-down to a thousandth before the record begins, at most so many turns of the pinion; steps in parts of 1/omega.
 RING_DOWN, LONGEST_LEAD, STEP = math.log(1e3), 4.0, 0.15
+# Teeth whose response is followed at once.
+TOGETHER = 16
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,7 +75,9 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     name, pair, gain = record.quantity.name, bench.pair, settings.gain * bench.gain
     if name == "static_transmission_error":
         angle = record.axis + settings.angle_offset
-        return _as_read(_slow(bench.weights(angle, record.pinion_torque, settings), angle, pair, scatter.terms), gain, scatter)
+        weights = bench.weights(angle, record.pinion_torque, settings)
+        shapes = _shapes(weights, angle, pair, scatter.terms)
+        return _as_read(_slow(weights, shapes, pair, range(pair.pinion.teeth + pair.wheel.teeth)), gain, scatter)
     if name in ("dynamic_transmission_error", "pinion_angular_acceleration"):
         return _as_read(_at_speed(record, bench, settings, scatter.terms), gain, scatter)
     out = np.zeros((len(record.axis), pair.pinion.teeth + pair.wheel.teeth, scatter.terms + 1))
@@ -117,13 +121,18 @@ def _path_of_roll(record: Measurement, pair: GearPair) -> Array:
     return sign * (record.axis - gear.base_radius * math.tan(pair.working_pressure_angle))
 
 
-def _slow(weights: Weights, angle: Array, pair: GearPair, terms: int, derivative: int = 0) -> Array:
-    """Return the weights times the polynomials, or times their slopes over the pinion angle; shape (n, (z1 + z2) (terms + 1))."""
+def _slow(weights: Weights, shapes: Array, pair: GearPair, teeth: range) -> Array:
+    """Return the weights of some teeth times the shapes (n, p, s) of all pairs; shape (n, t s)."""
+    z1, z2 = pair.pinion.teeth, pair.wheel.teeth
+    out = np.zeros((len(shapes), len(teeth), shapes.shape[2]))
+    _kernels().spread(weights.pairs, weights.pinion, weights.wheel, shapes, z1, z2, teeth.start, out)
+    return out.reshape(len(shapes), -1)
+
+
+def _shapes(weights: Weights, angle: Array, pair: GearPair, terms: int, derivative: int = 0) -> Array:
+    """Return the polynomials where the pairs touch, or their slopes over the pinion angle; shape (n, p, terms + 1)."""
     path = (angle[:, None] / pair.pinion.pitch_angle - weights.pairs) * pair.base_pitch
-    out = np.zeros((len(angle), pair.pinion.teeth + pair.wheel.teeth, terms + 1))
-    shapes = _polynomials(path, pair, terms, derivative)
-    _kernels().spread(weights.pairs, weights.pinion, weights.wheel, shapes, pair.pinion.teeth, out)
-    return out.reshape(len(angle), -1)
+    return _polynomials(path, pair, terms, derivative)
 
 
 def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:
@@ -140,11 +149,16 @@ def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int)
     grid = axis[0] + step * np.arange(-before, math.ceil((axis[-1] - axis[0]) / step) + 2)
     angle = grid + settings.angle_offset
     swing = bench.swing(angle, record.pinion_torque, speed, settings)
-    errors, rates = _slow(swing.weights, angle, bench.pair, terms), _slow(swing.shares, angle, bench.pair, terms, 1)
-    moving = respond(errors, speed * rates, swing, step / speed, record.quantity.name == "pinion_angular_acceleration")
-    moving = bench.read(moving, step / speed)
+    shapes, slopes = (_shapes(swing.weights, angle, bench.pair, terms, derivative) for derivative in (0, 1))
     between = BSpline.design_matrix(axis, np.pad(grid, 1, mode="edge"), 1)
-    return np.asarray(between @ moving)
+    teeth, out = bench.pair.pinion.teeth + bench.pair.wheel.teeth, []
+    # A few teeth at a time: what they do at all steps then stays near the processor.
+    for first in range(0, teeth, TOGETHER):
+        group = range(first, min(first + TOGETHER, teeth))
+        errors, rates = _slow(swing.weights, shapes, bench.pair, group), _slow(swing.shares, slopes, bench.pair, group)
+        moving = respond(errors, speed * rates, swing, step / speed, record.quantity.name == "pinion_angular_acceleration")
+        out.append(between @ bench.read(moving, step / speed))
+    return np.concatenate(out, axis=1)
 
 
 def respond(errors: Array, rates: Array, swing: Swing, step: float, acceleration: bool) -> Array:
