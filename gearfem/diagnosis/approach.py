@@ -20,7 +20,7 @@ from gearfem.foundation import Array, SolveError
 EDGES = (1.0, 0.2)
 SERIES_TRIED, DAMPING_TRIED = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0), (-1.5, 0.0, 1.5)
 # Times that the fit of slow records, a place to start from, is prepared anew.
-NEAR = 4
+TIMES = 4
 # What a fit leaves of a record, over what can be expected, beyond which it may stand in the wrong place.
 LOST = 5.0
 
@@ -49,7 +49,7 @@ def at_rest(
     part = part_of(problem, slow)
     starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge)) for edge in edges]
 
-    best = min(side_by_side(lambda unknown: again(copy.copy(part), effects, unknown, NEAR), starts), key=lambda fit: fit.objective)
+    best = min(side_by_side(lambda unknown: again(copy.copy(part), effects, unknown, TIMES), starts), key=lambda fit: fit.objective)
     return best.effects, best.settings
 
 

@@ -109,11 +109,11 @@ def fit(
     Marquardt's), since scales do nearly the work of effects and valleys are narrow. Derivatives are corrected by what each step shows, and
     taken again every third round and before the fit ends. Columns of what is linear are those of the last `prepare`.
     """
-    return _from(problem, problem.at(effects, unknown), rounds, hopeless, fresh)
+    return _standing(problem, *_descend(problem, problem.at(effects, unknown), rounds, hopeless, fresh))
 
 
-def _from(problem: Problem, point: Point, rounds: int, hopeless: float = np.inf, fresh: bool = False) -> Fit:
-    """Return the fit from a point on, see `fit`; without rounds that of the point itself."""
+def _descend(problem: Problem, point: Point, rounds: int, hopeless: float = np.inf, fresh: bool = False) -> tuple[Point, float, Array]:
+    """Return where a fit from a point on ends, see `fit`, what it attains there, and derivatives about there."""
     derivatives, exact, attained = jacobian(problem, point, fresh), True, problem.attained(point)
     for number in range(rounds):
         before, left = point, attained
@@ -123,6 +123,11 @@ def _from(problem: Problem, point: Point, rounds: int, hopeless: float = np.inf,
             break
         exact = gained < small or number % EXACT == EXACT - 1
         derivatives = jacobian(problem, point, fresh) if exact else _corrected(problem, derivatives, before, point)
+    return point, attained, derivatives
+
+
+def _standing(problem: Problem, point: Point, attained: float, derivatives: Array) -> Fit:
+    """Return the fit that stands at a point."""
     rest = problem.left(point)
     white = problem.whiten(rest)
     return Fit(
@@ -145,21 +150,24 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
     prepared near where the fit stands that is returned.
     """
     best = point = problem.at(effects, problem.prepare(effects, unknown))
-    there, here, least, worse = copy.copy(problem), copy.copy(problem), problem.attained(best), 0
+    there, here = copy.copy(problem), copy.copy(problem)
+    least, worse = problem.attained(best), 0
+    start = least
     # Where a round ends that cannot be computed, those before it count.
     with contextlib.suppress(InputError, SolveError):
-        for _ in range(times):
-            end = _from(here, point, NEARBY)
-            ahead, little = end.point, _little(end.objective)
-            worse = 0 if least - end.objective > little else worse + 1
-            if end.objective < least:
-                least, best, there = end.objective, ahead, here
-            if worse == WORSE or here.attained(point) - end.objective < little:
+        for number in range(times):
+            end, attained, _ = _descend(here, point, NEARBY)
+            little = _little(attained)
+            worse = 0 if least - attained > little else worse + 1
+            if attained < least:
+                least, best, there = attained, end, here
+            if number == times - 1 or worse == WORSE or start - attained < little:
                 break
             here = copy.copy(problem)
-            point = here.at(ahead.effects, here.prepare(ahead.effects, ahead.unknown), ahead.weights, WEIGHED)
+            point = here.at(end.effects, here.prepare(end.effects, end.unknown), end.weights, WEIGHED)
+            start = here.attained(point)
     problem.__dict__.update(there.__dict__)
-    return _from(problem, best, 0)
+    return _standing(problem, best, least, jacobian(problem, best))
 
 
 def _little(objective: float) -> float:

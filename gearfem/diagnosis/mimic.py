@@ -10,6 +10,9 @@ from gearfem.diagnosis.problem import Problem
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array
 
+# How far each error of the model goes to see what it imitates, in standard deviations: responses bend within one.
+PART = 0.5
+
 
 def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     """Return of each effect of a fit the strength at which errors of our model imitate it, over the strength it has.
@@ -34,6 +37,8 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     without = [fit.effects[:out] + fit.effects[out + 1 :] for out in range(len(fit.effects))]
     responses = [problem.response(point, others) for others in without]
     form = np.concatenate([part[:, count:] for part in problem.linear.columns])
+    wrong = _finite(problem, fit)
+    form[:, : wrong.shape[1]] = wrong
     vectors = np.column_stack([*responses, form, problem.scales])
     gram, _ = problem.linear.first(count).weighed(point.weights).measure(vectors, point.residual)
     size, outer = len(responses), problem.outer
@@ -46,6 +51,20 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
         errors = _form_scales(problem, without[own], form.shape[1])
         found.append(float(np.linalg.norm(errors * freed[size : len(gram) - outer]) / max(freed[own], 1e-300)))
     return tuple(found)
+
+
+def _finite(problem: Problem, fit: Fit) -> Array:
+    """Return what each error of the model would do if it were larger by a part, in parts: whitened, shape (m, v)."""
+    unknown, effects, unknowns = fit.point.stood, problem.effects, problem.unknowns
+    here = problem.predict(effects, unknown)
+    columns = []
+    for place, variant in enumerate(unknowns.errors, unknowns.wrong.start):
+        moved = unknown.copy()
+        part = PART if unknown[place] + PART <= variant.most else -PART
+        moved[place] += part
+        ahead = problem.predict(effects, moved)
+        columns.append(problem.whiten(tuple((a - b) / part for a, b in zip(ahead, here, strict=True))))
+    return np.column_stack(columns) if columns else np.empty((len(fit.white), 0))
 
 
 def _form_scales(problem: Problem, effects: tuple[Effect, ...], count: int) -> Array:

@@ -1,4 +1,4 @@
-"""Derivatives of records over the errors of the model, against differences over steps ten times smaller on both sides."""
+"""Derivatives of records over the errors of the model, against differences over steps four times smaller to either side."""
 
 from __future__ import annotations
 
