@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -46,7 +48,9 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> Itera
         return
     _shared["work"] = work
     others = multiprocessing.active_children()
-    with ProcessPoolExecutor(min(cores, len(items)), mp_context=multiprocessing.get_context("fork")) as pool:
+    fork, workers = multiprocessing.get_context("fork"), min(cores, len(items))
+    # Each child has a core of its own: threads of linear algebra would take that of another one.
+    with ProcessPoolExecutor(workers, mp_context=fork, initializer=threadpool_limits, initargs=(1, "blas")) as pool:
         try:
             yield from pool.map(_call, items)
         except BaseException:

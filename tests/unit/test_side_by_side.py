@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+from threadpoolctl import threadpool_info
 
 from gearfem.diagnosis.side_by_side import side_by_side
 
@@ -19,6 +20,13 @@ FORKS = pytest.mark.skipif(CORES < 2 or "fork" not in multiprocessing.get_all_st
 def test_results_come_in_order() -> None:
     factor = 3
     assert list(side_by_side(lambda item: factor * item, range(7))) == [0, 3, 6, 9, 12, 15, 18]
+
+
+@FORKS
+def test_each_child_keeps_to_one_core() -> None:
+    """Threads of linear algebra in every child would wait for each other: the work took twice as long."""
+    threads = side_by_side(lambda _: [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"], range(2))
+    assert [set(own) for own in threads] == [{1}, {1}]
 
 
 @FORKS
