@@ -43,7 +43,8 @@ class Fit(Record):
     effects : tuple of Effect
         As fitted; none for the nuisances alone.
     deviations : tuple of dict
-        Standard deviation of each parameter by field [SI], one dict for each effect: noise, nuisances, model form, and see `_inexact`.
+        Standard deviation of each parameter [SI], or of its reciprocal where that is smooth, by field, one dict for each effect: noise,
+        nuisances, model form, and see `_inexact`.
     bound : tuple of (int, str)
         Parameters that ended at a bound: number of the effect and field.
     objective : float
@@ -241,15 +242,15 @@ def _deviations(problem: Problem, point: Point, derivatives: Array) -> tuple[dic
 
 
 def _inexact(effect: Effect, setup: Setup) -> dict[str, float]:
-    """Return how far parameters may be off since no real effect has quite the form of its name: a tenth of what it amounts to [SI].
+    """Return how far parameters may be off since no real effect has quite the form of its name: a tenth of what it amounts to.
 
-    Of depths at several places that is the largest one; nothing for where and how an effect acts.
+    In coordinates in which effects are smooth. Of depths at several places that is the largest one; nothing for where and how it acts.
     """
-    known, largest = effect.fitted(), dict[str, float]()
-    for field in effect.strengths():
-        value, rest, unit = getattr(effect, field), known[field].at_rest(setup, effect.member), known[field].unit
-        largest[unit] = max(largest.get(unit, 0.0), abs(value - rest) if math.isfinite(rest) else value)
-    return {field: SHAPE * largest[one.unit] if field in effect.strengths() else 0.0 for field, one in known.items()}
+    known, largest, strengths = effect.fitted(), dict[str, float](), parameters.strengths(effect, setup)
+    for field, strength in strengths.items():
+        unit = known[field].unit
+        largest[unit] = max(largest.get(unit, 0.0), strength)
+    return {field: SHAPE * largest[one.unit] if field in strengths else 0.0 for field, one in known.items()}
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from gearfem.foundation import Array
 
 # Part of its range within which a strength counts as none.
 NOTHING = 1e-3
+# Standard deviations from which on a strength surely is one.
+SURE = 3.0
 
 
 def values(effects: tuple[Effect, ...]) -> Array:
@@ -56,6 +59,18 @@ def at_bounds(effects: tuple[Effect, ...], setup: Setup) -> tuple[tuple[int, str
     return tuple((number, field) for number, effect in enumerate(effects) for field in _ended(effect, setup))
 
 
+def strengths(effect: Effect, setup: Setup) -> dict[str, float]:
+    """Return how far each strength of an effect is from its neutral value, by field."""
+    known = effect.parameters()
+    both = {field: (getattr(effect, field), known[field].at_rest(setup, effect.member)) for field in effect.strengths()}
+    return {field: abs(known[field].coordinate(value) - known[field].coordinate(rest)) for field, (value, rest) in both.items()}
+
+
+def faint(effect: Effect, deviations: Mapping[str, float], setup: Setup) -> bool:
+    """Return whether no strength of an effect is surely one, by the standard deviations of its parameters."""
+    return all(strength < SURE * deviations[field] for field, strength in strengths(effect, setup).items())
+
+
 def overdone(effects: tuple[Effect, ...], setup: Setup) -> tuple[Effect, ...]:
     """Return the effects that are as strong as can be: of which a strength stands at a bound that is not its neutral value."""
     return tuple(e for e in effects if any(_away(e, field, setup) > NOTHING for field in _ended(e, setup) if field in e.strengths()))
@@ -74,6 +89,5 @@ def _ended(effect: Effect, setup: Setup) -> tuple[str, ...]:
 def _away(effect: Effect, field: str, setup: Setup) -> float:
     """Return how far a strength is from its neutral value, in parts of its range."""
     known = effect.parameters()[field]
-    at = getattr(effect, field), known.at_rest(setup, effect.member), *known.bounds(setup, effect.member)
-    value, rest, low, high = map(known.coordinate, at)
-    return abs((value - rest) / (high - low))
+    low, high = map(known.coordinate, known.bounds(setup, effect.member))
+    return strengths(effect, setup)[field] / abs(high - low)

@@ -12,7 +12,7 @@ from scipy.stats import median_abs_deviation
 
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.mimic import mimicked
-from gearfem.diagnosis.parameters import overdone
+from gearfem.diagnosis.parameters import faint, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.straying import beyond
@@ -157,13 +157,17 @@ class Search:
     def barred(self, fit: Fit) -> str:
         """Return why a fit may not be named, in words; empty if it may.
 
-        An effect of it contradicts its own cause, or is as strong as can be, or errors of our model imitate it.
+        An effect of it contradicts its own cause, or is as strong as can be, or hardly there, or errors of our model imitate it.
         """
+        setup = self.problem.campaign.setup
         for effect in fit.effects:
             if why := effect.contradicts():
                 return f"{effect.describe()}: {why}"
-        for effect in overdone(fit.effects, self.problem.campaign.setup):
+        for effect in overdone(fit.effects, setup):
             return f"{effect.describe()}: as strong as can be, so that something else is missing that looks like it"
+        for effect, deviations in zip(fit.effects, fit.deviations, strict=True):
+            if faint(effect, deviations, setup):
+                return f"{effect.describe()}: too weak against its own doubt, so that the fit gains by something else"
         if fit not in self._mimicked:
             self._mimicked[fit] = mimicked(self.problem, fit)
         for effect, share in zip(fit.effects, self._mimicked[fit], strict=True):

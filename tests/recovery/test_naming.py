@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis
-from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.fit import Fit, _inexact
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, stays, uneven, waves_of
 from gearfem.diagnosis.verdict import _mirrored, _misshapen, closure, sentence_of
+from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.effect import Effect
@@ -24,6 +25,7 @@ from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.profile_wear import ProfileWear
 from gearfem.effects.runout import Runout
+from gearfem.effects.sensor_resonance import SensorResonance
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation.units import MM, UM
 from gearfem.variants import VARIANTS
@@ -35,6 +37,14 @@ def test_a_shape_may_be_wrong_by_a_share_of_its_depth(found: Diagnosis) -> None:
     # A straight line over the path of contact, from nothing to the whole amount.
     assert bench.depth("pinion") == pytest.approx(amount / math.sqrt(3.0), rel=0.02, abs=0.0)
     assert bench.depth("wheel") == 0.0
+
+
+def test_a_frequency_is_in_doubt_by_a_tenth_too(found: Diagnosis) -> None:
+    """It is smooth in its reciprocal, in which the doubt is."""
+    effect = SensorResonance(frequency=1200.0, ratio=0.1)
+    doubt = _inexact(effect, found.problem.campaign.setup)
+    assert stderr(effect, "frequency", doubt["frequency"]) == pytest.approx(120.0, rel=1e-9, abs=0.0)
+    assert doubt["ratio"] == 0.0
 
 
 @pytest.mark.parametrize(("scale", "least", "most"), [(1.5, 0.99, 1.5), (3.0, 0.05, 0.4)])
@@ -79,12 +89,32 @@ def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> Non
     assert waves_of(np.cos(2.0 * turn) + 3.0 + np.cos(5.0 * turn)) == pytest.approx(np.cos(2.0 * turn), abs=1e-12, rel=0.0)
 
 
+def _barred(found: Diagnosis, *effects: Effect, doubt: float = 0.0) -> str:
+    """Return why effects may not be named, if each parameter is so far in doubt."""
+    deviations = tuple(dict.fromkeys(effect.fitted(), doubt) for effect in effects)
+    return Search(found.problem, found.naming.alone).barred(dataclasses.replace(found.naming.fit, effects=effects, deviations=deviations))
+
+
+@pytest.mark.parametrize(
+    ("effect", "doubt", "named"),
+    [
+        (ProfileSlope(gear="pinion", amount=-9.0 * UM), 2.9 * UM, True),
+        (ProfileSlope(gear="pinion", amount=-9.0 * UM), 3.1 * UM, False),
+        (ContactCompliance(scale=0.8), 0.07, False),
+        (ProfileWear(gear="wheel", tip=1.0 * UM, root=9.0 * UM, pitch=0.0), 2.0 * UM, True),
+        (SensorResonance(frequency=2000.0, ratio=0.1), 1.0 / 5900.0, False),
+        (SensorResonance(frequency=2000.0, ratio=0.1), 1.0 / 6100.0, True),
+    ],
+)
+def test_what_is_not_surely_there_is_not_named(found: Diagnosis, effect: Effect, doubt: float, named: bool) -> None:
+    assert ("against its own doubt" in _barred(found, effect, doubt=doubt)) != named
+
+
 def test_what_is_as_strong_as_can_be_is_not_named(found: Diagnosis) -> None:
     setup, slope = found.problem.campaign.setup, ProfileSlope(gear="pinion", amount=5.0 * UM)
     most = ContactCompliance(scale=0.05)
     assert overdone((slope, most), setup) == (most,)
-    ended = dataclasses.replace(found.naming.fit, effects=(slope, most))
-    assert Search(found.problem, found.naming.alone).barred(ended).startswith(most.describe())
+    assert _barred(found, slope, most).startswith(most.describe())
     # At its neutral value it does nothing, and a length says where.
     longest = TipRelief.parameters()["length"].bounds(setup, "wheel")[1]
     none, long = (TipRelief(gear="wheel", amount=amount, length=longest) for amount in (1e-12, 9.0 * UM))
@@ -97,14 +127,14 @@ def test_wear_that_is_not_least_at_the_pitch_point_is_not_named(
     found: Diagnosis, tip: float, root: float, pitch: float, named: bool
 ) -> None:
     wear = ProfileWear(gear="wheel", tip=tip * UM, root=root * UM, pitch=pitch * UM)
-    why = Search(found.problem, found.naming.alone).barred(dataclasses.replace(found.naming.fit, effects=(wear,)))
+    why = _barred(found, wear)
     assert ("nothing slides" in why) != named
 
 
 @pytest.mark.parametrize(("scale", "named"), [(0.4, False), (0.6, True), (1.7, True)])
 def test_no_hub_holds_a_body_at_less_than_half_of_what_it_yields(found: Diagnosis, scale: float, named: bool) -> None:
     bodies = BodyCompliance(scale=scale)
-    why = Search(found.problem, found.naming.alone).barred(dataclasses.replace(found.naming.fit, effects=(bodies,)))
+    why = _barred(found, bodies)
     assert ("only on a hub" in why) != named
 
 
