@@ -14,6 +14,7 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import BenchOf, Problem
+from gearfem.diagnosis.search import stays
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.teeth import Scatter
@@ -53,7 +54,8 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     -----
     The zero of the angle comes first, from the slow records where there are any; then a rough fit, whose remainder shows the noise; then
     the slow records by themselves, and the compliance in series and the damping that suit motions; then the fit itself, whose derivatives
-    are taken anew until that gains little. Scales that do the work of a missing effect stray, see `unveiled`.
+    are taken anew until that gains little, from several places where nuisances stray. Those that do the work of a missing effect still
+    do then, see `unveiled`.
     """
     records, pair = campaign.fitted, campaign.setup.pair
     noises = tuple(measure_noise(record, pair) for record in records)
@@ -75,9 +77,10 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     progress("nuisances", 3, 4)
     alone = fit_from(problem, early.settings)
     problem.remember(alone)
-    if (alone.squares / problem.floor).max() > LOST:
-        # Motions that nothing meets drew nuisances away from slow records before it was known how little they count.
-        starts = (alone.point.unknown, problem.unknowns.of(start))
+    if (alone.squares / problem.floor).max() > LOST or not stays(problem, alone):
+        # Motions that nothing meets drew nuisances away from slow records before it was known how little they count; or they stray, and
+        # those as the model has them may lead nearer.
+        starts = (alone.point.unknown, problem.unknowns.of(start), problem.unknowns.neutral(alone.point.unknown))
         alone = min(side_by_side(lambda unknown: again(copy.copy(problem), (), unknown), starts), key=lambda fit: fit.objective)
         problem.prepare((), alone.point.stood)
     else:

@@ -15,7 +15,7 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.ringing import rung
-from gearfem.diagnosis.shapes import bounded, shapes_of, stands
+from gearfem.diagnosis.shapes import bounded, shapes_of, spread_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.turning import turned, turns
 from gearfem.diagnosis.zero import guess_zero
@@ -31,6 +31,8 @@ LIKELIEST = 2
 VEILED = 0.05
 # Rounds of such a fit.
 UNVEILED = 4
+# Places from which such an effect is fitted: those that leave least as they stand.
+MET = 8
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
 
@@ -151,9 +153,10 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
     else:
         starts = [
             ((*base.effects, effect), place)
-            for effect in shapes_of(start, problem.campaign.setup)
+            for effect in spread_of(start, problem.campaign.setup)
             for place in (_elsewhere(view, effect) or [base.point.unknown])
         ]
+        starts = sorted(starts, key=lambda one: problem.left_at(*one))[:MET]
     found = _fits(problem, starts, 2, lost, base.objective)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]
     candidates = _candidates(view, _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost, base.objective))
@@ -201,9 +204,11 @@ def _waves(view: View, start: Effect) -> list[tuple[Effect, Array | None]]:
 def _likeliest(slow: View, start: Effect) -> list[tuple[Effect, Array | None]]:
     """Return the shapes of an effect, and the nuisances, that explain most of the slow records, which cost a hundredth of motions.
 
-    None where slow records are blind to it.
+    None where slow records are blind to it, as to most of what is not periodic.
     """
-    found = []
+    found: list[Candidate] = []
+    if start.repeats == "not periodic":
+        return []
     for effect in shapes_of(start, slow.problem.campaign.setup):
         here = candidate_of(slow, effect)
         if here is not None:

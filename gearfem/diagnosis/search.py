@@ -86,12 +86,16 @@ class Search:
         return min(starts, key=lambda unknown: self.problem.left_at(effects, unknown))
 
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
-        """Fit explanations again, see `again`; if the best with effects stays far off, it from scales as the model has them too."""
+        """Fit explanations again, see `again`: nuisances alone, and the best with effects, from scales as the model has them too.
+
+        That only if they stay far off or stray: the place that a fit descends into goes by where it began.
+        """
         first = min((fit for fit in fits if fit.effects), key=self.score, default=None)
 
         def one(fit: Fit) -> Fit:
             found = again(copy.copy(self.problem), fit.effects, fit.point.unknown)
-            if fit is not first or (found.squares / self.problem.floor).max() < FAR:
+            near = (found.squares / self.problem.floor).max() < FAR and stays(self.problem, found)
+            if near or (fit.effects and fit is not first):
                 return found
             try:
                 other = again(copy.copy(self.problem), fit.effects, self.problem.unknowns.neutral(fit.point.unknown))

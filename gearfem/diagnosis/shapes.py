@@ -12,6 +12,8 @@ from gearfem.effects.effect import Effect, Parameter
 
 # Further strengths at which an effect of all teeth is tried, as multiples of the typical one: on flanks, and elsewhere.
 DEEP, WIDE = (0.25, 4.0, 16.0), (0.4, 2.5, 6.0)
+# Multiples of its typical value at which either of two strengths is tried, for the resonances that they make together.
+EITHER = (0.0, *np.geomspace(0.3, 3.3, 8).tolist())
 # Natural frequencies between which a resonance is tried [Hz].
 FREQUENCIES = 200.0, 10000.0
 
@@ -44,6 +46,19 @@ def shapes_of(effect: Effect, setup: Setup) -> list[Effect]:
     # Far from typical sizes the response is not that of the typical one, scaled.
     sizes = DEEP if effect.stage == "flank" else WIDE
     return shapes + [bounded(effect.scaled(size, setup), setup) for size in sizes]
+
+
+def spread_of(effect: Effect, setup: Setup) -> list[Effect]:
+    """Return the shapes of an effect; where it has two strengths beside the flanks, with each at sizes of its own.
+
+    Resonances that they make together are met only from nearby, like those of nuisances (`gearfem.diagnosis.approach.tuned`).
+    """
+    strengths = effect.strengths()
+    if len(strengths) != 2 or effect.stage == "flank":
+        return shapes_of(effect, setup)
+    sizes = itertools.product(EITHER, repeat=2)
+    both = (tuple(size * getattr(effect, field) for size, field in zip(pair, strengths, strict=True)) for pair in sizes if any(pair))
+    return [bounded(dataclasses.replace(effect, **dict(zip(strengths, values, strict=True))), setup) for values in both]
 
 
 def stands(effect: Effect) -> bool:

@@ -121,7 +121,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
     if not best.effects or gained < search.problem.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
-    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turning(search.problem, best):
+    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turning(search.problem, best) or _wrong(search.problem, best):
         verdict = "unexplained"
     elif close:
         verdict = "ambiguous"
@@ -200,12 +200,16 @@ def _misshapen(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
 
     Variants, of forms common to all teeth the largest, and the rise of the largest Kw by waviness, which stands last.
     """
-    errors = problem.unknowns.errors
-    variants, forms, rise = np.split(fit.point.unknown[problem.unknowns.first_form :], [len(errors), -1])
-    words = [f"error of the model, {variant.words}," for variant in errors]
-    words += ["forms common to all teeth, up to", "rise of the largest Kw by waviness"]
-    moved = [*variants, max(forms, key=abs, default=0.0), *rise]
-    return [(word, float(one)) for word, one in zip(words, moved, strict=True) if abs(one) > LOST]
+    forms, rise = np.split(fit.point.unknown[problem.unknowns.wrong.stop :], [-1])
+    words = ("forms common to all teeth, up to", "rise of the largest Kw by waviness")
+    moved = zip(words, (max(forms, key=abs, default=0.0), *rise), strict=True)
+    return [*_wrong(problem, fit), *((word, float(one)) for word, one in moved if abs(one) > LOST)]
+
+
+def _wrong(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
+    """Return the variants of the model in a fit that are too far off to be any: what is missing stands behind them."""
+    moved = zip(problem.unknowns.errors, fit.point.unknown[problem.unknowns.wrong], strict=True)
+    return [(f"error of the model, {variant.words},", float(one)) for variant, one in moved if abs(one) > LOST]
 
 
 def _within_reason(fit: Fit, problem: Problem) -> Array:
