@@ -22,6 +22,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 import gearfem
 from gearfem.cli.listener import Bars
 from gearfem.diagnosis import diagnose, read_campaign, write_diagnosis
@@ -135,9 +137,15 @@ def _one_by_one(cases: Sequence[Case]) -> Iterator[tuple[Case, str]]:
             yield case, find(case, code, lambda label, done, total, case=case: bars(f"{case.name}: {label}", done, total))
 
 
+def _begin() -> None:
+    """Let a worker end at Ctrl-C and keep to one core: threads of linear algebra would take that of another worker."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    threadpool_limits(1, "blas")
+
+
 def _side_by_side(cases: Sequence[Case], jobs: int) -> Iterator[tuple[Case, str]]:
     code = state_of_code()
-    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_DFL))
+    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _begin)
     try:
         work = {pool.submit(find, case, code): case for case in cases}
         with Bars() as bars:
