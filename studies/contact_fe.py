@@ -23,7 +23,6 @@ from gearfem import load_model
 from gearfem.compliance import Bore, PlaneStrain, make_compliance
 from gearfem.compliance.elasticity import stiffness
 from gearfem.compliance.load_lines import LoadLines, forces
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.section_mesh import SectionMesh, sector_mesh
 from gearfem.contact import EdgedLine, Line
 from gearfem.definition.setup import Setup
@@ -31,6 +30,7 @@ from gearfem.engagement.engage import Mesh, engage
 from gearfem.engagement.record import Engagement
 from gearfem.flank import Outline, make_flanks
 from gearfem.foundation import SolveError
+from gearfem.foundation.threads import one_thread
 from gearfem.placement import make_placement
 
 Level: TypeAlias = tuple[float, float]

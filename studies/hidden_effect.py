@@ -22,8 +22,6 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from threadpoolctl import threadpool_limits
-
 import gearfem
 from gearfem.cli.listener import Bars
 from gearfem.diagnosis import diagnose, read_campaign, write_diagnosis
@@ -31,6 +29,7 @@ from gearfem.effects.catalogue import catalogue
 from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.files import write_json
 from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.threads import one_thread
 
 ROOT = Path(__file__).resolve().parents[1]
 KINDS = ("mix", "single", "double", "none", "hidden", "twins", "weak")
@@ -140,7 +139,7 @@ def _one_by_one(cases: Sequence[Case]) -> Iterator[tuple[Case, str]]:
 def _begin() -> None:
     """Let a worker end at Ctrl-C and keep to one core: threads of linear algebra would take that of another worker."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    threadpool_limits(1, "blas")
+    one_thread()
 
 
 def _side_by_side(cases: Sequence[Case], jobs: int) -> Iterator[tuple[Case, str]]:

@@ -12,11 +12,11 @@ from gearfem.compliance.elasticity import stiffness
 from gearfem.compliance.finite_elements import FiniteElements
 from gearfem.compliance.load_lines import forces, load_lines
 from gearfem.compliance.record import Compliance, ToothCompliance
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.supports import Bore, Root
 from gearfem.definition.setup import Gear, Member
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.threads import one_thread
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

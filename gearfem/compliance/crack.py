@@ -15,12 +15,12 @@ from gearfem.compliance.finite_elements import OFFSETS
 from gearfem.compliance.harmonic_ring import CutRing
 from gearfem.compliance.load_lines import load_lines
 from gearfem.compliance.record import Compliance, ToothCompliance
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.seam import Seam
 from gearfem.definition.setup import Member
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.cache import remembered
+from gearfem.foundation.threads import one_thread
 from gearfem.foundation.units import MM
 
 # Deepest crack over the chord of the section, and how many depths are computed, closer to one another where they are small.

@@ -15,12 +15,12 @@ from gearfem.compliance.load_lines import LoadLines, covered, forces, load_lines
 from gearfem.compliance.local_depth import local_depth
 from gearfem.compliance.patchwork import refuse_folds
 from gearfem.compliance.record import ComplianceCurve, ToothCompliance
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.compliance.supports import Bore, Structure, Support
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.cache import remembered
+from gearfem.foundation.threads import one_thread
 
 OFFSETS = (-3, -2, -1, 1, 2, 3)
 # Ratio of the resolutions whose comparison gives the estimate of the error.

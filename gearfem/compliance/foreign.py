@@ -17,9 +17,10 @@ from gearfem.compliance.load_lines import LoadLines, load_lines
 from gearfem.compliance.mesh_file import FLANK, HELD, MeshFile
 from gearfem.compliance.patchwork import Ids
 from gearfem.compliance.record import ComplianceCurve
-from gearfem.compliance.ring import factorise, one_thread
+from gearfem.compliance.ring import factorise
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.threads import one_thread
 from gearfem.foundation.units import MM
 
 # Flank nodes may stand off the outline by this part of the module: below the manufacturing tolerance of coarse gears.

@@ -14,10 +14,10 @@ from gearfem.compliance.load_lines import LoadLines, load_lines
 from gearfem.compliance.prism import Prism, section_matrices
 from gearfem.compliance.record import ComplianceCurve
 from gearfem.compliance.reductions import alone
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.solid_mesh import SolidMesh, extrude
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.threads import one_thread
 
 # Elements across the thickness, up the height and along the face width.
 ACROSS, UP, ALONG = 3, 13, 15

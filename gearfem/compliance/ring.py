@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
-from threadpoolctl import threadpool_limits
 
 from gearfem.compliance.dissection import Trailing, dissect
 from gearfem.compliance.harmonic_ring import HarmonicRing
@@ -18,18 +16,6 @@ from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.foundation import Array, SolveError
 
 Mask: TypeAlias = NDArray[np.bool_]
-
-
-def one_thread() -> AbstractContextManager[Any]:
-    """Return a context in which dense algebra keeps to one thread.
-
-    Notes
-    -----
-    SuperLU calls it on blocks so small that starting threads costs more than they save: on two cores that are
-    shared, the compliance of one gear pair took 0.7 to 5 s with two threads and 0.4 s with one.
-    """
-    context: AbstractContextManager[Any] = threadpool_limits(1, user_api="blas")
-    return context
 
 
 def factorise(matrix: Any) -> Any:

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 from gearfem.compliance.elasticity import Plane, stiffness
 from gearfem.compliance.finite_elements import FiniteElements
 from gearfem.compliance.load_lines import forces, load_lines
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.supports import Bore
 from gearfem.definition.setup import Material
 from gearfem.flank import Outline
 from gearfem.flank.outline import FILLET, FLANK
 from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.threads import one_thread
 
 # Where the derivative of a quadratic along its edge is most accurate (Barlow 1976), on -1 ... 1.
 GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)

@@ -6,11 +6,11 @@ import numpy as np
 
 from gearfem.compliance.finite_elements import FiniteElements
 from gearfem.compliance.record import ToothCompliance
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.section_mesh import unworn
 from gearfem.flank import Outline
 from gearfem.foundation import Array
 from gearfem.foundation.cache import remembered
+from gearfem.foundation.threads import one_thread
 
 
 def likeness(tooth: ToothCompliance) -> Array:

@@ -13,7 +13,6 @@ from gearfem.compliance.load_lines import LoadLines, covered, forces, load_lines
 from gearfem.compliance.patchwork import refuse_folds
 from gearfem.compliance.prism import section_matrices, solve_prism
 from gearfem.compliance.record import ComplianceCurve
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.compliance.solid_field import SolidField, von_mises_3d
 from gearfem.compliance.solid_mesh import SolidMesh, solid_mesh
@@ -21,6 +20,7 @@ from gearfem.compliance.supports import Bore, Support
 from gearfem.compliance.width_record import WidthInfluence, WidthProfile
 from gearfem.flank import Outline
 from gearfem.foundation import Array, InputError, Record
+from gearfem.foundation.threads import one_thread
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -13,12 +13,12 @@ from gearfem.compliance.finite_elements import OFFSETS, FiniteElements
 from gearfem.compliance.harmonic_ring import HarmonicRing
 from gearfem.compliance.load_lines import LoadLines, forces, load_lines, readings
 from gearfem.compliance.record import ToothCompliance
-from gearfem.compliance.ring import one_thread
 from gearfem.compliance.section_mesh import unworn
 from gearfem.compliance.uneven_ring import OddSector, Sector
 from gearfem.flank import Deviation, Outline
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.cache import remembered
+from gearfem.foundation.threads import one_thread
 
 # Depth in modules up to which the compliance answers in proportion: studies/worn_compliance.py.
 LITTLE = 0.02

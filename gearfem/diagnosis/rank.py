@@ -156,7 +156,8 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
             for effect in spread_of(start, problem.campaign.setup)
             for place in (_elsewhere(view, effect) or [base.point.unknown])
         ]
-        starts = sorted(starts, key=lambda one: problem.left_at(*one))[:MET]
+        if len(starts) > MET:
+            starts = sorted(starts, key=lambda one: problem.left_at(*one))[:MET]
     found = _fits(problem, starts, 2, lost, base.objective)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]
     candidates = _candidates(view, _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost, base.objective))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any, TypeVar
 
-from threadpoolctl import threadpool_limits
+from gearfem.foundation.threads import one_thread
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -50,7 +50,7 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> Itera
     others = multiprocessing.active_children()
     fork, workers = multiprocessing.get_context("fork"), min(cores, len(items))
     # Each child has a core of its own: threads of linear algebra would take that of another one.
-    with ProcessPoolExecutor(workers, mp_context=fork, initializer=threadpool_limits, initargs=(1, "blas")) as pool:
+    with ProcessPoolExecutor(workers, mp_context=fork, initializer=one_thread) as pool:
         try:
             yield from pool.map(_call, items)
         except BaseException:

@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 
-from gearfem.compliance.ring import one_thread
 from gearfem.dynamics.cycle import Cycle
 from gearfem.dynamics.orbit import LOOSE, Orbit, settle, shoot
 from gearfem.dynamics.record import DriveTrain, ElasticMotion, RigidMotion
@@ -16,6 +15,7 @@ from gearfem.dynamics.rigid import uniform_transport
 from gearfem.engagement.record import MeshForce
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.threads import one_thread
 
 TAIL = 20
 DECAY = 7.0

@@ -39,8 +39,9 @@ from gearfem.compliance import FiniteElements, load_positions
 from gearfem.compliance import finite_elements as module
 from gearfem.compliance.elasticity import stiffness
 from gearfem.compliance.load_lines import forces, load_lines, readings
-from gearfem.compliance.ring import Ring, one_thread
+from gearfem.compliance.ring import Ring
 from gearfem.flank import Outline, make_flanks
+from gearfem.foundation.threads import one_thread
 
 RADII, RUNS = 50, 7
 ORDERINGS: dict[str, dict[str, Any]] = {
