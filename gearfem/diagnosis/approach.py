@@ -53,6 +53,13 @@ def at_rest(
     return best.effects, best.settings
 
 
+def approached(problem: Problem, level: Settings, effects: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], Array]:
+    """Return effects and unknowns to fit from: as slow records have them from a level on, see `at_rest`, then `tuned` to the motions."""
+    there, settings = at_rest(problem, level, effects, (level.tip_edge_scale,))
+    here = copy.copy(problem)
+    return there, tuned(here, here.prepare(there, problem.unknowns.of(settings)), there)
+
+
 def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) -> Array:
     """Return unknowns with the compliance in series and the damping, among a few of each, under which motions leave least.
 

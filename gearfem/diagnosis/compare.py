@@ -73,14 +73,15 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     progress("nuisances", 1, 4)
     _, start = at_rest(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset))
     progress("nuisances", 2, 4)
-    early = problem.fit((), tuned(problem, problem.prepare((), problem.unknowns.of(start))), EARLY)
+    met = tuned(problem, problem.prepare((), problem.unknowns.of(start)))
+    early = problem.fit((), met, EARLY)
     progress("nuisances", 3, 4)
     alone = fit_from(problem, early.settings)
     problem.remember(alone)
     if (alone.squares / problem.floor).max() > LOST or not stays(problem, alone):
         # Motions that nothing meets drew nuisances away from slow records before it was known how little they count; or they stray, and
-        # those as the model has them may lead nearer.
-        starts = (alone.point.unknown, problem.unknowns.of(start), problem.unknowns.neutral(alone.point.unknown))
+        # where the first fit began, or those as the model has them, may lead nearer.
+        starts = (alone.point.unknown, met, problem.unknowns.neutral(alone.point.unknown))
         alone = min(side_by_side(lambda unknown: again(copy.copy(problem), (), unknown), starts), key=lambda fit: fit.objective)
         problem.prepare((), alone.point.stood)
     else:

@@ -32,6 +32,8 @@ DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 DIFFERENCE = 0.03
 # Times that a fit is prepared anew at most, rounds of each, and times in a row that it may gain little.
 AGAIN, NEARBY, WORSE = 8, 2, 2
+# Halvings at most of a strength that ended at its bound, and what they may cost of what its effect explains, whose shape is no better.
+HALVED, LITTLE = 5, SHAPE**2
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -168,7 +170,31 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
             point = here.at(end.effects, here.prepare(end.effects, end.unknown), end.weights, WEIGHED)
             start = here.attained(point)
     problem.__dict__.update(there.__dict__)
+    best, least = _eased(problem, best, least)
     return _standing(problem, best, least, jacobian(problem, best))
+
+
+def _eased(problem: Problem, point: Point, attained: float) -> tuple[Point, float]:
+    """Return a point whose strengths at a bound are halved as long as that costs little of what their effect explains, and what it attains.
+
+    A pit that takes all load off its part of a flank does nothing more if it is deeper: nothing speaks for the deepest one.
+    """
+    setup = problem.campaign.setup
+    for number, field in parameters.at_bounds(point.effects, setup):
+        before, after = point.effects[:number], point.effects[number + 1 :]
+        if field not in point.effects[number].strengths() or point.effects[number].parameters()[field].reciprocal:
+            continue
+        without = problem.attained(problem.at((*before, *after), point.stood, point.weights))
+        most = attained + max(SETTLED, LITTLE * (without - attained))
+        for _ in range(HALVED):
+            effect = point.effects[number]
+            rest = effect.parameters()[field].at_rest(setup, effect.member)
+            eased = dataclasses.replace(effect, **{field: 0.5 * (getattr(effect, field) + rest)})
+            ahead = problem.at((*before, eased, *after), point.stood, point.weights)
+            if problem.attained(ahead) > most:
+                break
+            point, attained = ahead, problem.attained(ahead)
+    return point, attained
 
 
 def _little(objective: float) -> float:

@@ -14,7 +14,7 @@ from gearfem.diagnosis.identify import identify
 from gearfem.diagnosis.problem import DETECTED, Problem
 from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.search import MOST, Search, Start, label, stays, way_of, without_one
-from gearfem.diagnosis.shapes import bounded
+from gearfem.diagnosis.shapes import bounded, stands
 from gearfem.diagnosis.unveil import unveiled
 from gearfem.diagnosis.verdict import Naming, gap_left, judge
 from gearfem.effects.effect import Effect
@@ -31,6 +31,8 @@ HOPELESS = 0.5
 SETTLED, FURTHER_SETTLED = 4, 2
 # Shares of the first gear at which an effect of both gears is tried.
 SPLITS = (0.2, 0.35, 0.5, 0.65, 0.8)
+# Cosine of two responses, freed from all nuisances, from which on one may pass for the other; and how many of those are fitted.
+NEAR, MOST_ALIKE = 0.5, 4
 # What a candidate must promise to gain to be fitted.
 PROMISING = DETECTED / 8.0
 
@@ -88,6 +90,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     jobs = [search.alone, *([best] if best.effects else []), *search.rivals()]
     search.fits = {}
     search.settle(jobs, progress, "rivals again")
+    search.abreast(progress)
     best = search.best()
     problem.prepare(best.effects, best.point.unknown)
     naming = judge(search, shown)
@@ -153,14 +156,26 @@ def _apart(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> None:
-    """Fit the best explanation with each effect of all teeth of a gear on the other gear."""
+    """Fit the best explanation with what looks like one of its effects of all teeth in the place of this, from where the best one stands.
+
+    The same on the other gear, and whatever the records can hardly tell from it, fitted before or not: fits end by where they begin.
+    """
     best, setup = search.best(), search.problem.campaign.setup
     starts: list[Start] = []
     for place, effect in enumerate(best.effects):
-        others = [c for c in candidates if type(c.effect) is type(effect) and c.effect.member != effect.member]
-        if others and effect.of_one_gear() and not hasattr(effect, "tooth"):
-            starts.append(((*best.effects[:place], others[0].start(setup), *best.effects[place + 1 :]), None))
-    search.fit(starts, best, progress, "the other gear")
+        if hasattr(effect, "tooth"):
+            continue
+        before, after = best.effects[:place], best.effects[place + 1 :]
+        others = [c for c in candidates if not hasattr(c.effect, "tooth") and label((c.effect,))[0] not in label(best.effects)]
+        own = search.problem.response(best.point, (*before, *after))
+        gram, _ = search.problem.freed(best.point)(np.column_stack([own, *(c.signature for c in others)]))
+        strengths, cosines = gram[0, 1:] / np.diag(gram)[1:], gram[0, 1:] / np.sqrt(gram[0, 0] * np.diag(gram)[1:])
+        for number in np.argsort(-np.abs(cosines)):
+            other, near = others[number].effect, abs(cosines[number]) > NEAR
+            if near or (type(other) is type(effect) and effect.of_one_gear()):
+                start = other if stands(other) else bounded(other.scaled(float(strengths[number]), setup), setup)
+                starts.append(((*before, start, *after), None))
+    search.fit(starts[:MOST_ALIKE], best, progress, "what looks alike", anew=True)
 
 
 def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:

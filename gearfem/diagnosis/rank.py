@@ -145,7 +145,8 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
         return None
     lost = _lost(view)
     if stands(start):
-        starts = []
+        # Where a resonance seems to gain nothing under the nuisances that have done its work, fits from nearby find it all the same.
+        starts = [((*base.effects, effect), base.point.unknown) for effect in shapes_of(start, problem.campaign.setup)]
         for unknown in (None, *_elsewhere(view, start)):
             with contextlib.suppress(InputError, SolveError):
                 one = view if unknown is None else _moved(view, unknown)

@@ -10,6 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.stats import median_abs_deviation
 
+from gearfem.diagnosis.approach import approached
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import faint, overdone
@@ -56,9 +57,12 @@ class Search:
         self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
         self._mimicked: dict[Fit, tuple[float, ...]] = {}
 
-    def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects") -> None:
-        """Fit sets of effects not fitted before, told apart by names, gears and teeth; of several starts of one set the best is kept."""
-        new = [start for start in starts if label(start[0]) not in self.fits]
+    def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects", anew: bool = False) -> None:
+        """Fit sets of effects, told apart by names, gears and teeth; of several starts of one set the best is kept.
+
+        Those not fitted before, or all of them `anew`.
+        """
+        new = [start for start in starts if anew or label(start[0]) not in self.fits]
         best = min(fit.objective for fit in self.fits.values())
         worth, further = 0.5 * (self.alone.objective + best), base.objective - LITTLE * self.problem.detected
 
@@ -88,7 +92,7 @@ class Search:
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
         """Fit explanations again, see `again`: nuisances alone, and the best with effects, from scales as the model has them too.
 
-        That only if they stay far off or stray: the place that a fit descends into goes by where it began.
+        That only if they stay far off or stray: the place that a fit descends into goes by where it began. See `approached`.
         """
         first = min((fit for fit in fits if fit.effects), key=self.score, default=None)
 
@@ -98,7 +102,8 @@ class Search:
             if near or (fit.effects and fit is not first):
                 return found
             try:
-                other = again(copy.copy(self.problem), fit.effects, self.problem.unknowns.neutral(fit.point.unknown))
+                level = self.problem.settings(self.problem.unknowns.neutral(fit.point.unknown))
+                other = again(copy.copy(self.problem), *approached(self.problem, level, fit.effects))
             except (InputError, SolveError):
                 return found
             return min(found, other, key=lambda one: one.objective)
@@ -109,6 +114,24 @@ class Search:
         progress(words, max(len(fits), 1), max(len(fits), 1))
         self.alone = self.fits[()]
 
+    def abreast(self, progress: Progress) -> None:
+        """Fit all explanations beside the best again from where that stands, so that none wins by where it began."""
+        best = self.best()
+        others = [fit for fit in self.fits.values() if fit is not best]
+
+        def one(fit: Fit) -> Fit:
+            try:
+                found = again(copy.copy(self.problem), fit.effects, best.point.stood)
+            except (InputError, SolveError):
+                return fit
+            return min(fit, found, key=lambda one: one.objective)
+
+        for number, fit in enumerate(side_by_side(one, others)):
+            progress("rivals from where the best stands", number, len(others))
+            self.fits[label(fit.effects)] = fit
+        progress("rivals from where the best stands", max(len(others), 1), max(len(others), 1))
+        self.alone = self.fits[()]
+
     def first(self, most: int) -> list[Fit]:
         """Return the best explanations with effects, at most so many."""
         return sorted((fit for fit in self.fits.values() if fit.effects), key=self.score)[:most]
@@ -116,12 +139,12 @@ class Search:
     def rivals(self) -> list[Fit]:
         """Return the explanations that come near the best one, and what is left of that without each of its effects."""
         best = self.best()
-        gained = self.alone.objective - best.objective
+        least, gained = self.score(best), self.gained(best)
         parts = {label(effects) for effects, _ in without_one(best)} if len(best.effects) > 1 else set()
         # What holds the best explanation and more has lost by its cost already: it is no other explanation.
         own = set(label(best.effects))
         others = [fit for fit in self.first(len(self.fits)) if not own <= set(label(fit.effects))]
-        near = [fit for fit in others if fit.objective - best.objective < NEAR * gained][:RIVALS]
+        near = [fit for fit in others if self.score(fit) - least < NEAR * gained][:RIVALS]
         return near + [fit for key, fit in self.fits.items() if key in parts and all(fit is not other for other in near)]
 
     def cost(self, effects: tuple[Effect, ...]) -> float:

@@ -73,14 +73,17 @@ class SystemBench(Record):
         return self.system.instrument.delay
 
     def depth(self, gear: Member) -> float:
-        """Return the root mean square of what is missing from the flanks of a gear over the path of contact [m]; odd teeth do not count."""
+        """Return the root mean square of what is missing from the flanks of a gear over the path of contact [m]; odd teeth do not count.
+
+        Less what is missing all over: that has no form, and a record whose constant is free does not feel it.
+        """
         deviation, pair = self.system.flanks.of(gear).deviation, self.pair
         if deviation is None:
             return 0.0
         path = np.linspace(-pair.approach_length, pair.recess_length, DEPTHS)
         base, sign = (pair.wheel.base_radius, -1.0) if gear == "wheel" else (pair.pinion.base_radius, 1.0)
         depth = deviation.at(base * math.tan(pair.working_pressure_angle) + sign * path)
-        return float(np.sqrt(np.mean(depth**2)))
+        return float(np.sqrt(np.mean((depth - depth.min()) ** 2)))
 
     def predict(self, record: Measurement, settings: Settings) -> Array:
         """Return what the record would read [SI], shape (n,)."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterator, Sequence
 
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Member
-from gearfem.diagnosis.approach import at_rest, tuned
+from gearfem.diagnosis.approach import approached
 from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.nuisances import Nuisance
@@ -59,11 +58,9 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         tried = [(bounded(example.scaled(strength, setup), setup),) for strength in STRENGTHS]
         return min(((problem.left_at(effects, neutral), effects) for effects in tried), key=lambda item: item[0])
 
-    def approached(effects: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], Array]:
+    def start(effects: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], Array]:
         try:
-            there, settings = at_rest(problem, level, effects, (level.tip_edge_scale,))
-            here = copy.copy(problem)
-            return there, tuned(here, here.prepare(there, problem.unknowns.of(settings)), there)
+            return approached(problem, level, effects)
         except (InputError, SolveError):
             return effects, neutral
 
@@ -74,9 +71,9 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         found.append(best)
     nearer = [effects for least, effects in sorted(found, key=lambda item: item[0]) if least < bare][:MOST]
     starts = []
-    for number, start in enumerate(side_by_side(approached, nearer)):
+    for number, found_start in enumerate(side_by_side(start, nearer)):
         progress(words, len(jobs) + number, len(jobs) + MOST)
-        starts.append(start)
+        starts.append(found_start)
     progress(words, len(jobs) + MOST, len(jobs) + MOST)
     return [*_in_place(problem, unknown, {type(effect) for effect in whole}), *starts]
 

@@ -5,13 +5,21 @@ from __future__ import annotations
 import copy
 import dataclasses
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
+from gearfem.diagnosis import parameters, read_campaign
 from gearfem.diagnosis.bench import neutral
-from gearfem.diagnosis.fit import again
+from gearfem.diagnosis.campaign import Campaign
+from gearfem.diagnosis.fit import _eased, again
 from gearfem.diagnosis.problem import Problem
+from gearfem.effects.effect import Effect
+from gearfem.effects.pitting import Pitting
 from gearfem.foundation import Array, SolveError
+from gearfem.foundation.units import MM, UM
 from tests.recovery.rig import PLAN, beside_nuisances
 
 
@@ -56,3 +64,29 @@ def test_where_a_round_ends_that_cannot_be_computed_the_one_before_counts(tmp_pa
     assert len(prepared) == 3
     monkeypatch.undo()
     assert found.objective < problem.attained(problem.at((), problem.prepare((), start)))
+
+
+class _Saturating:
+    """Stands for a problem: a pit of the pinion takes all load off its part of a flank from 100 um on, and explains 900."""
+
+    def __init__(self, campaign: Campaign) -> None:
+        self.campaign = campaign
+
+    def at(self, effects: tuple[Effect, ...], unknown: Array, weights: Array) -> SimpleNamespace:
+        return SimpleNamespace(effects=effects, stood=unknown, weights=weights)
+
+    def attained(self, point: SimpleNamespace) -> float:
+        shares = [1.0 - min(pit.depth / (100.0 * UM), 1.0) for pit in point.effects]
+        return 100.0 + 900.0 * min([share**2 for share in shares], default=1.0)
+
+
+def test_nothing_speaks_for_the_deepest_pit_if_a_shallower_one_does_as_much(campaign: Path) -> None:
+    problem: Any = _Saturating(read_campaign(campaign))
+    deepest = Pitting(gear="pinion", tooth=3, depth=300.0 * UM, centre=7.0 * MM, width=1.5 * MM)
+    assert parameters.at_bounds((deepest,), problem.campaign.setup) == ((0, "depth"),)
+    point, attained = _eased(problem, problem.at((deepest,), np.zeros(3), np.ones(2)), 100.0)
+    assert point.effects[0].depth == pytest.approx(150.0 * UM, rel=1e-12, abs=0.0)  # type: ignore[attr-defined]
+    assert attained == 100.0
+    # What does not end at its bound stays as it is.
+    within = problem.at((dataclasses.replace(deepest, depth=290.0 * UM),), np.zeros(3), np.ones(2))
+    assert _eased(problem, within, 100.0) == (within, 100.0)
