@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import dataclasses
 from collections.abc import Mapping
 
@@ -11,7 +12,7 @@ import numpy as np
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.approach import LOST
 from gearfem.diagnosis.candidate import Candidate, View, candidate_of, scored, view_of
-from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.ringing import rung
@@ -31,6 +32,8 @@ LIKELIEST = 2
 VEILED = 0.05
 # Rounds of such a fit.
 UNVEILED = 4
+# What a fit leaves of a motion, over what can be expected, from which on a resonance may hide, and times that its fits are prepared anew.
+FAR, ANEW = 2.0, 3
 # Places from which such an effect is fitted: those that leave least as they stand.
 MET = 8
 # Effects of all teeth that are looked at again beside what is found.
@@ -145,8 +148,7 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
         return None
     lost = _lost(view)
     if stands(start):
-        # Where a resonance seems to gain nothing under the nuisances that have done its work, fits from nearby find it all the same.
-        starts = [((*base.effects, effect), base.point.unknown) for effect in shapes_of(start, problem.campaign.setup)]
+        starts = []
         for unknown in (None, *_elsewhere(view, start)):
             with contextlib.suppress(InputError, SolveError):
                 one = view if unknown is None else _moved(view, unknown)
@@ -161,8 +163,24 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
             starts = sorted(starts, key=lambda one: problem.left_at(*one))[:MET]
     found = _fits(problem, starts, 2, lost, base.objective)
     ahead = sorted(found, key=lambda fit: fit.objective)[:2]
-    candidates = _candidates(view, _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost, base.objective))
+    fits = _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost, base.objective)
+    candidates = _candidates(view, fits + (_rung_anew(view, start) if stands(start) else []))
     return max(candidates, key=lambda candidate: candidate.gain, default=None)
+
+
+def _rung_anew(view: View, start: Effect) -> list[Fit]:
+    """Return fits of a resonance from a few frequencies, prepared anew on their way, where motions keep a gap.
+
+    Nuisances that have done its work hide it from `rung`, and from fits with the columns of where these stand.
+    """
+    problem, base, found = view.problem, view.base, []
+    moving = np.array([record.quantity.moving for record in problem.records])
+    if (base.squares / problem.floor)[moving].max() < FAR:
+        return []
+    for effect in shapes_of(start, problem.campaign.setup):
+        with contextlib.suppress(InputError, SolveError):
+            found.append(again(copy.copy(problem), (*base.effects, effect), base.point.unknown, ANEW))
+    return found
 
 
 def _moved(view: View, unknown: Array) -> View:
