@@ -191,9 +191,10 @@ def _eased(problem: Problem, point: Point, attained: float) -> tuple[Point, floa
             rest = effect.parameters()[field].at_rest(setup, effect.member)
             eased = dataclasses.replace(effect, **{field: 0.5 * (getattr(effect, field) + rest)})
             ahead = problem.at((*before, eased, *after), point.stood, point.weights)
-            if problem.attained(ahead) > most:
+            left = problem.attained(ahead)
+            if left > most:
                 break
-            point, attained = ahead, problem.attained(ahead)
+            point, attained = ahead, left
     return point, attained
 
 

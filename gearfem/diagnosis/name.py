@@ -170,12 +170,15 @@ def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress
         own = search.problem.response(best.point, (*before, *after))
         gram, _ = search.problem.freed(best.point)(np.column_stack([own, *(c.signature for c in others)]))
         strengths, cosines = gram[0, 1:] / np.diag(gram)[1:], gram[0, 1:] / np.sqrt(gram[0, 0] * np.diag(gram)[1:])
-        for number in np.argsort(-np.abs(cosines)):
-            other, near = others[number].effect, abs(cosines[number]) > NEAR
-            if near or (type(other) is type(effect) and effect.of_one_gear()):
+        alike = [number for number in np.argsort(-np.abs(cosines)) if abs(cosines[number]) > NEAR][:MOST_ALIKE]
+        for number, candidate in enumerate(others):
+            other = candidate.effect
+            if type(other) is type(effect) and effect.of_one_gear():
+                starts.append(((*before, candidate.start(setup), *after), None))
+            elif number in alike:
                 start = other if stands(other) else bounded(other.scaled(float(strengths[number]), setup), setup)
                 starts.append(((*before, start, *after), None))
-    search.fit(starts[:MOST_ALIKE], best, progress, "what looks alike", anew=True)
+    search.fit(starts, best, progress, "what looks alike", anew=True)
 
 
 def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:

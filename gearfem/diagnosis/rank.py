@@ -16,6 +16,7 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.ringing import rung
+from gearfem.diagnosis.search import FAR
 from gearfem.diagnosis.shapes import bounded, shapes_of, spread_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.turning import turned, turns
@@ -32,8 +33,8 @@ LIKELIEST = 2
 VEILED = 0.05
 # Rounds of such a fit.
 UNVEILED = 4
-# What a fit leaves of a motion, over what can be expected, from which on a resonance may hide, and times that its fits are prepared anew.
-FAR, ANEW = 2.0, 3
+# Times that a fit of a resonance is prepared anew where motions keep a gap.
+ANEW = 3
 # Places from which such an effect is fitted: those that leave least as they stand.
 MET = 8
 # Effects of all teeth that are looked at again beside what is found.
@@ -174,8 +175,7 @@ def _rung_anew(view: View, start: Effect) -> list[Fit]:
     Nuisances that have done its work hide it from `rung`, and from fits with the columns of where these stand.
     """
     problem, base, found = view.problem, view.base, []
-    moving = np.array([record.quantity.moving for record in problem.records])
-    if (base.squares / problem.floor)[moving].max() < FAR:
+    if _of_motions(view) < FAR:
         return []
     for effect in shapes_of(start, problem.campaign.setup):
         with contextlib.suppress(InputError, SolveError):
@@ -202,8 +202,13 @@ def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:
 
 def _lost(view: View) -> bool:
     """Return whether a fit leaves so much of motions that what is linear about it says little."""
+    return _of_motions(view) > LOST
+
+
+def _of_motions(view: View) -> float:
+    """Return the most that a fit leaves of a motion, over what can be expected; 0 without motions."""
     moving = np.array([record.quantity.moving for record in view.problem.records])
-    return bool(moving.any() and (view.base.squares / view.problem.floor)[moving].max() > LOST)
+    return float((view.base.squares / view.problem.floor)[moving].max(initial=0.0))
 
 
 def _fits(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -108,11 +108,7 @@ class Search:
                 return found
             return min(found, other, key=lambda one: one.objective)
 
-        for number, fit in enumerate(side_by_side(one, fits)):
-            progress(words, number, len(fits))
-            self.fits[label(fit.effects)] = fit
-        progress(words, max(len(fits), 1), max(len(fits), 1))
-        self.alone = self.fits[()]
+        self._renew(one, fits, progress, words)
 
     def abreast(self, progress: Progress) -> None:
         """Fit all explanations beside the best again from where that stands, so that none wins by where it began."""
@@ -126,10 +122,14 @@ class Search:
                 return fit
             return min(fit, found, key=lambda one: one.objective)
 
-        for number, fit in enumerate(side_by_side(one, others)):
-            progress("rivals from where the best stands", number, len(others))
+        self._renew(one, others, progress, "rivals from where the best stands")
+
+    def _renew(self, one: Callable[[Fit], Fit], fits: Sequence[Fit], progress: Progress, words: str) -> None:
+        """Put what becomes of fits in their place."""
+        for number, fit in enumerate(side_by_side(one, fits)):
+            progress(words, number, len(fits))
             self.fits[label(fit.effects)] = fit
-        progress("rivals from where the best stands", max(len(others), 1), max(len(others), 1))
+        progress(words, max(len(fits), 1), max(len(fits), 1))
         self.alone = self.fits[()]
 
     def first(self, most: int) -> list[Fit]:

@@ -58,7 +58,7 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         tried = [(bounded(example.scaled(strength, setup), setup),) for strength in STRENGTHS]
         return min(((problem.left_at(effects, neutral), effects) for effects in tried), key=lambda item: item[0])
 
-    def start(effects: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], Array]:
+    def begin(effects: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], Array]:
         try:
             return approached(problem, level, effects)
         except (InputError, SolveError):
@@ -71,9 +71,9 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         found.append(best)
     nearer = [effects for least, effects in sorted(found, key=lambda item: item[0]) if least < bare][:MOST]
     starts = []
-    for number, found_start in enumerate(side_by_side(start, nearer)):
+    for number, start in enumerate(side_by_side(begin, nearer)):
         progress(words, len(jobs) + number, len(jobs) + MOST)
-        starts.append(found_start)
+        starts.append(start)
     progress(words, len(jobs) + MOST, len(jobs) + MOST)
     return [*_in_place(problem, unknown, {type(effect) for effect in whole}), *starts]
 

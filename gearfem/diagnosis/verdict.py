@@ -119,16 +119,13 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = (*_astray(search), *_turning(search.problem, alone), *_misshapen(search.problem, alone))
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
-    # Errors of our model that cannot be any do the work of something else that is missing: a name stands if it closes a gap all the same.
-    wrong = bool(_wrong(search.problem, best))
-    beside = wrong and (level < 1.0 or closed < CLOSED)
     if not best.effects or gained < search.problem.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
-    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turning(search.problem, best) or beside:
+    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turning(search.problem, best) or _wrong(search.problem, best):
         verdict = "unexplained"
     elif close:
         verdict = "ambiguous"
-    elif (closed >= CLOSED or remains < 1.0) and not wrong:
+    elif closed >= CLOSED or remains < 1.0:
         verdict = "explained"
     else:
         verdict = "partly_explained"

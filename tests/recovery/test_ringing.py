@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis.candidate import View
-from gearfem.diagnosis.rank import FAR, _rung_anew
+from gearfem.diagnosis.rank import _rung_anew
 from gearfem.diagnosis.ringing import APART, rung
+from gearfem.diagnosis.search import FAR
 from gearfem.diagnosis.shapes import shapes_of
 from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_resonance import SensorResonance
