@@ -13,8 +13,9 @@ from gearfem.diagnosis.fit import ROUNDS, Fit, again
 from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.zero import guess_zero
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, SolveError
+from gearfem.foundation import Array, InputError, SolveError
 
 # Tip edges to start from, of the model's; compliance in series and damping to start from, in prior deviations.
 EDGES = (1.0, 0.2)
@@ -80,3 +81,29 @@ def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) ->
     found = side_by_side(one, list(itertools.product(SERIES_TRIED, DAMPING_TRIED)))
     best = min([problem.at(effects, unknown), *(point for point in found if point)], key=lambda point: point.objective)
     return best.unknown
+
+
+def unwound(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> list[Array]:
+    """Return unknowns with zeros of the pinion angle as slow records look with effects in the model; none where these move no mesh lines.
+
+    Effects that change all flanks much do: the zero that suited the records without them is a pitch or half of one off.
+    """
+    names = [nuisance.name for nuisance in problem.nuisances]
+    moves = any(effect.repeats == "every tooth" and effect.stage in ("flank", "placement") for effect in effects)
+    over = [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle" and not record.quantity.moving]
+    if not (moves and over and "angle_offset" in names):
+        return []
+    place = names.index("angle_offset")
+    try:
+        for effect in effects:
+            effect.check(problem.campaign.setup)
+        records, spread = tuple(problem.records[i] for i in over), tuple(problem.noises[i].std for i in over)
+        shifts = guess_zero(records, problem.bench(effects), problem.settings(unknown), spread)
+    except (InputError, SolveError):
+        return []
+    found = []
+    for shift in shifts:
+        turned = unknown.copy()
+        turned[place] = shift / problem.nuisances[place].prior
+        found.append(turned)
+    return found

@@ -254,7 +254,11 @@ def _steps(problem: Problem, point: Point, derivatives: Array) -> Iterator[Array
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     room = (np.minimum(low / scale, -1e-12), np.maximum(high / scale, 1e-12))
     for damping in DAMPING:
-        factor = np.linalg.cholesky(scale[:, None] * gram * scale + damping * np.eye(len(scale)))
+        try:
+            factor = np.linalg.cholesky(scale[:, None] * gram * scale + damping * np.eye(len(scale)))
+        except np.linalg.LinAlgError:
+            # Alike but for rounding: more damping tells them apart.
+            continue
         target = np.linalg.solve(factor, scale * pull)
         yield scale * lsq_linear(factor.T, target, bounds=room).x
 
@@ -281,7 +285,7 @@ def _inexact(effect: Effect, setup: Setup) -> dict[str, float]:
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:
-    """Return the products of derivatives and their pull on what a point leaves, the priors of the outer nuisances in both."""
+    """Return the products of derivatives and their pull on what a point leaves, what is known of nuisances and effects in both."""
     gram, pull = problem.linear.weighed(point.weights).measure(derivatives, point.residual)
     outer = point.unknown[: problem.outer]
     own = np.arange(len(pull) - problem.outer, len(pull))
@@ -291,4 +295,10 @@ def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array,
     slopes, bends = halves(outer[scales])
     gram[own[scales], own[scales]] += problem.detected * bends
     pull[own[scales]] -= problem.detected * slopes
+    far = parameters.unlikely(point.effects)
+    if far.size:
+        slopes = parameters.unlikely_slopes(point.effects, problem.campaign.setup)
+        among = slice(slopes.shape[1])
+        gram[among, among] += slopes.T @ slopes
+        pull[among] -= slopes.T @ far
     return gram, pull

@@ -68,8 +68,12 @@ def _finite(problem: Problem, fit: Fit) -> Array:
 
 
 def _form_scales(problem: Problem, effects: tuple[Effect, ...], count: int) -> Array:
-    """Return by how much smaller errors of the model are under effects than under those of the columns, shape (count,)."""
+    """Return by how much smaller errors of the model are under effects than under those of the columns, shape (count,).
+
+    Only forms common to all teeth are: they stand behind the variants, and the rise of the largest Kw behind them.
+    """
     terms, scales = problem.unknowns.scatter.terms, np.ones(count)
     parts = zip(form_errors(problem.bench(effects)), form_errors(problem.bench(problem.effects)), strict=True)
-    scales[count - 2 * terms :] = np.repeat([here / prepared for here, prepared in parts], terms)
+    forms = slice(len(problem.unknowns.errors), len(problem.unknowns.errors) + 2 * terms)
+    scales[forms] = np.repeat([here / prepared for here, prepared in parts], terms)
     return scales

@@ -15,7 +15,7 @@ from gearfem.diagnosis.problem import DETECTED, Problem
 from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.search import MOST, Search, Start, label, stays, way_of, without_one
 from gearfem.diagnosis.shapes import bounded, stands
-from gearfem.diagnosis.unveil import unveiled
+from gearfem.diagnosis.unveil import in_place, unveiled
 from gearfem.diagnosis.verdict import Naming, gap_left, judge
 from gearfem.effects.effect import Effect
 from gearfem.foundation.progress import Progress, quiet
@@ -78,6 +78,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
+    _in_place(search, first, progress)
     _further(search, first, progress)
     _eliminate(search)
     _twins(search, first, progress)
@@ -129,6 +130,14 @@ def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], prog
     veiled = unveiled(search.problem, alone, candidates, progress)
     search.fit([*veiled, *starts], alone, progress, "single effects")
     _again(search, veiled, progress)
+
+
+def _in_place(search: Search, candidates: Sequence[Candidate], progress: Progress) -> None:
+    """Fit effects in the place of what strays in the nuisances alone, now that these have found theirs."""
+    alone = search.alone
+    starts: list[Start] = list(in_place(search.problem, alone.point.unknown, candidates))
+    search.fit(starts, alone, progress, "effects in the place of nuisances", anew=True)
+    _again(search, starts, progress)
 
 
 def _again(search: Search, starts: Sequence[Start], progress: Progress) -> None:
@@ -209,7 +218,7 @@ def _both_gears(search: Search) -> list[Start]:
 
 
 def _eliminate(search: Search) -> None:
-    """Fit the best explanation without each of its effects."""
+    """Fit the best explanation without each of its effects, from where it stands, whatever fits of these there were."""
     best = search.best()
     if len(best.effects) > 1:
-        search.fit(without_one(best), best)
+        search.fit(without_one(best), best, anew=True)

@@ -14,7 +14,7 @@ from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.effects.damping import Damping
 from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_gain import SensorGain
-from gearfem.foundation import Array, Record
+from gearfem.foundation import Array, Record, SolveError
 from gearfem.sensing import System
 
 
@@ -153,11 +153,27 @@ def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tup
         if nuisance.name == "gain" and record.quantity.axis == "angle":
             out[:, place] = nuisance.prior * here
             continue
-        once, stands = moving or nuisance in BUILD, float(moved[place])
-        ahead = bench.predict(record, _moved(settings, nuisance, stands + nuisance.step))
-        behind = here if once else bench.predict(record, _moved(settings, nuisance, stands - nuisance.step))
-        out[:, place] = (ahead - behind) / (nuisance.step if once else 2.0 * nuisance.step)
+        out[:, place] = _slope(record, bench, settings, nuisance, float(moved[place]), here, once=moving or nuisance in BUILD)
     return out
+
+
+def _slope(record: Measurement, bench: Bench, settings: Settings, nuisance: Nuisance, stands: float, here: Array, *, once: bool) -> Array:
+    """Return the derivative over one nuisance, shape (n,): by a step ahead, and one back but for `once` or where that cannot be computed.
+
+    Raises SolveError if neither side can be.
+    """
+    found: list[Array] = []
+    for step in (nuisance.step, -nuisance.step):
+        try:
+            ahead = bench.predict(record, _moved(settings, nuisance, stands + step))
+        except SolveError:
+            if step < 0.0 and not found:
+                raise
+            continue
+        found.append((ahead - here) / step)
+        if once:
+            break
+    return np.asarray(np.mean(found, axis=0))
 
 
 def _moved(settings: Settings, nuisance: Nuisance, moved: float) -> Settings:

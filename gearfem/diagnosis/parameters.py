@@ -13,6 +13,8 @@ from gearfem.foundation import Array
 
 # Part of its range within which a strength counts as none.
 NOTHING = 1e-3
+# Step of derivatives over parameters that need no prediction, in typical sizes.
+NUDGE = 1e-6
 # Standard deviations from which on a strength surely is one.
 SURE = 3.0
 
@@ -52,6 +54,18 @@ def moved(effects: tuple[Effect, ...], to: Array) -> tuple[Effect, ...]:
         dataclasses.replace(effect, **{field: known.value(float(next(left))) for field, known in effect.fitted().items()})
         for effect in effects
     )
+
+
+def unlikely(effects: tuple[Effect, ...]) -> Array:
+    """Return how far parameters are from what the causes of effects make of them, in standard deviations, shape (q,)."""
+    return np.array([one for effect in effects for one in effect.unlikely()])
+
+
+def unlikely_slopes(effects: tuple[Effect, ...], setup: Setup) -> Array:
+    """Return the derivatives of `unlikely` over the parameters, shape (q, p)."""
+    here, stands = unlikely(effects), values(effects)
+    steps = NUDGE * sizes(effects, setup)
+    return np.column_stack([(unlikely(moved(effects, stands + step)) - here) / step.sum() for step in np.diag(steps)])
 
 
 def at_bounds(effects: tuple[Effect, ...], setup: Setup) -> tuple[tuple[int, str], ...]:

@@ -17,6 +17,7 @@ from gearfem.diagnosis.fit import ROUNDS, Fit, fit
 from gearfem.diagnosis.marginal import Marginal, memory_of, profile
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import slopes
+from gearfem.diagnosis.parameters import unlikely
 from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.straying import beyond
 from gearfem.diagnosis.system_bench import SystemBench, bench_of
@@ -182,7 +183,7 @@ class Problem:
             held=held,
             given=given if rounds == 1 else deserved,
             weights=deserved,
-            objective=cost + float(solved @ solved + outer @ outer) + self._price(outer),
+            objective=cost + float(solved @ solved + outer @ outer) + self._price(effects, outer),
         )
 
     def attained(self, point: Point) -> float:
@@ -198,7 +199,7 @@ class Problem:
         misfit = point.residual - self.held_columns[:, ~free] @ held
         pulls = self.linear.pulls(misfit)[:, still]
         solved, cost, _ = self._weigh(self.linear.some(still), pulls, self.squares(misfit), point.given, 1)
-        return cost + float(solved @ solved + held @ held + outer @ outer) + self._price(outer)
+        return cost + float(solved @ solved + held @ held + outer @ outer) + self._price(point.effects, outer)
 
     def foretold(self, point: Point, change: Array) -> Array:
         """Return the unknowns of a point, those that are linear moved to where they leave least once predictions change, (m,) whitened."""
@@ -212,9 +213,9 @@ class Problem:
             cost, weights = profile(left, self.counts, self.floor, self.memory)
         return solved, float(cost.sum()), weights
 
-    def _price(self, unknown: Array) -> float:
-        """Return what scales cost that stray."""
-        return float(self.detected * (self.strayed(unknown) ** 2).sum())
+    def _price(self, effects: tuple[Effect, ...], unknown: Array) -> float:
+        """Return what scales cost that stray, and effects that are not what their causes make of them."""
+        return float(self.detected * (self.strayed(unknown) ** 2).sum() + (unlikely(effects) ** 2).sum())
 
     def left_at(self, effects: tuple[Effect, ...], unknown: Array) -> float:
         """Return the objective at a point, see `at`; infinity where there is none."""

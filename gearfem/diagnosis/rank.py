@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from gearfem.definition.setup import Member
-from gearfem.diagnosis.approach import LOST
+from gearfem.diagnosis.approach import LOST, unwound
 from gearfem.diagnosis.candidate import Candidate, View, candidate_of, scored, view_of
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
@@ -20,7 +20,6 @@ from gearfem.diagnosis.search import FAR
 from gearfem.diagnosis.shapes import bounded, shapes_of, spread_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.turning import turned, turns
-from gearfem.diagnosis.zero import guess_zero
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -252,23 +251,5 @@ def _elsewhere(view: View, effect: Effect) -> list[Array]:
     problem, base = view.problem, view.base
     if (base.squares / problem.floor).max() < LOST:
         return []
-    names = [nuisance.name for nuisance in problem.nuisances]
     neutral = problem.unknowns.neutral(base.point.unknown)
-    if "angle_offset" not in names or effect.repeats != "every tooth" or effect.stage not in ("flank", "placement"):
-        return [neutral]
-    place = names.index("angle_offset")
-    over = [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle" and not record.quantity.moving]
-    if not over:
-        return [neutral]
-    try:
-        effect.check(problem.campaign.setup)
-        records, spread = tuple(problem.records[i] for i in over), tuple(problem.noises[i].std for i in over)
-        shifts = guess_zero(records, problem.bench((*base.effects, effect)), problem.settings(neutral), spread)
-    except (InputError, SolveError):
-        return [neutral]
-    found = [neutral]
-    for shift in shifts:
-        unknown = neutral.copy()
-        unknown[place] = shift / problem.nuisances[place].prior
-        found.append(unknown)
-    return found
+    return [neutral, *unwound(problem, (*base.effects, effect), neutral)]

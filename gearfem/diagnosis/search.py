@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.stats import median_abs_deviation
 
-from gearfem.diagnosis.approach import approached
+from gearfem.diagnosis.approach import LOST, approached, unwound
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import faint, overdone
@@ -83,30 +83,36 @@ class Search:
     def start(self, start: Start, base: Fit) -> Array:
         """Return the nuisances from which effects leave least: those of a fit without them, scales as the model has them, or the start's.
 
-        Scales that did the work of a missing effect stand far off, where derivatives mean little.
+        Scales that did the work of a missing effect stand far off, where derivatives mean little; and so does the zero of the angle.
         """
         effects, own = start
-        starts = (base.point.unknown, self.problem.unknowns.neutral(base.point.unknown), *([] if own is None else [own]))
+        neutral = self.problem.unknowns.neutral(base.point.unknown)
+        far = (base.squares / self.problem.floor).max() > LOST
+        elsewhere = unwound(self.problem, effects, neutral) if far else []
+        starts = (base.point.unknown, neutral, *([] if own is None else [own]), *elsewhere)
         return min(starts, key=lambda unknown: self.problem.left_at(effects, unknown))
 
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
-        """Fit explanations again, see `again`: nuisances alone, and the best with effects, from scales as the model has them too.
+        """Fit explanations again, see `again`; those that stay far off or stray once more, from elsewhere.
 
-        That only if they stay far off or stray: the place that a fit descends into goes by where it began. See `approached`.
+        The place that a fit descends into goes by where it began. Nuisances alone, and the best with effects, begin as slow records have
+        them, see `approached`; others that stray with effects as they stand and nuisances as the model has them.
         """
         first = min((fit for fit in fits if fit.effects), key=self.score, default=None)
 
         def one(fit: Fit) -> Fit:
-            found = again(copy.copy(self.problem), fit.effects, fit.point.unknown)
-            near = (found.squares / self.problem.floor).max() < FAR and stays(self.problem, found)
-            if near or (fit.effects and fit is not first):
-                return found
+            found, neutral = fit, self.problem.unknowns.neutral(fit.point.unknown)
             try:
-                level = self.problem.settings(self.problem.unknowns.neutral(fit.point.unknown))
-                other = again(copy.copy(self.problem), *approached(self.problem, level, fit.effects))
+                found = again(copy.copy(self.problem), fit.effects, fit.point.unknown)
+                stayed = stays(self.problem, found)
+                if stayed and ((found.squares / self.problem.floor).max() < FAR or (fit.effects and fit is not first)):
+                    return found
+                start = fit.effects, neutral
+                if not fit.effects or fit is first:
+                    start = approached(self.problem, self.problem.settings(neutral), fit.effects)
+                return min(found, again(copy.copy(self.problem), *start), key=self.score)
             except (InputError, SolveError):
                 return found
-            return min(found, other, key=lambda one: one.objective)
 
         self._renew(one, fits, progress, words)
 
@@ -120,7 +126,7 @@ class Search:
                 found = again(copy.copy(self.problem), fit.effects, best.point.stood)
             except (InputError, SolveError):
                 return fit
-            return min(fit, found, key=lambda one: one.objective)
+            return min(fit, found, key=self.score)
 
         self._renew(one, others, progress, "rivals from where the best stands")
 

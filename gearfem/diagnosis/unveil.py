@@ -75,12 +75,12 @@ def unveiled(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         progress(words, len(jobs) + number, len(jobs) + MOST)
         starts.append(start)
     progress(words, len(jobs) + MOST, len(jobs) + MOST)
-    return [*_in_place(problem, unknown, {type(effect) for effect in whole}), *starts]
+    return [*in_place(problem, unknown, candidates), *starts]
 
 
-def _in_place(problem: Problem, unknown: Array, kinds: set[type[Effect]]) -> Iterator[tuple[tuple[Effect, ...], Array]]:
-    """Yield the effect that would do what each scale or error of the model that strays does, and the unknowns without this."""
-    setup, unknowns = problem.campaign.setup, problem.unknowns
+def in_place(problem: Problem, unknown: Array, candidates: Sequence[Candidate]) -> Iterator[tuple[tuple[Effect, ...], Array]]:
+    """Yield the candidate that would do what each scale or error of the model that strays does, and the unknowns (k,) without this."""
+    setup, unknowns, kinds = problem.campaign.setup, problem.unknowns, {type(candidate.effect) for candidate in candidates}
     system, ways = assemble(setup), dict[int, Nuisance | Variant](enumerate(unknowns.errors, unknowns.wrong.start))
     for place, way in ({place: unknowns.nuisances[place] for place in unknowns.scales} | ways).items():
         if way.cause is None or not beyond(unknown[place]):

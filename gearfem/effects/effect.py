@@ -229,6 +229,10 @@ class Effect(Record, abc.ABC):
         """Return in words what in its parameters contradicts its own cause; empty where nothing does. A diagnosis names none that does."""
         return ""
 
+    def unlikely(self) -> tuple[float, ...]:
+        """Return how far its parameters are from what its cause makes of them, in standard deviations. A diagnosis counts their squares."""
+        return ()
+
     def check(self, setup: Setup) -> None:
         """Refuse what is not on these gears or beyond the bounds; raises InputError that names the key.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 
@@ -12,9 +13,13 @@ from gearfem.effects.on_flank import without
 from gearfem.effects.roll import active_flank
 from gearfem.flank import Flanks
 from gearfem.foundation import Array
+from gearfem.foundation.units import UM
 
 # How much deeper than at the tip or the root wear at the pitch point may be found, in parts of the largest depth.
 SLACK = 0.1
+# One standard deviation of the depth at the pitch point: a part of what tip and root lose together (root of squares), and at least [m].
+# An even depth hardly shows: it turns the gear.
+SHARE, LEAST = 0.1, 0.1 * UM
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,6 +44,10 @@ class ProfileWear(Effect):
         """Return that the pitch point wears more than the tip or the root; by less than a tenth of the largest depth it may."""
         deeper = self.pitch > min(self.tip, self.root) + SLACK * max(self.tip, self.root)
         return "flanks wear least at the pitch point, where nothing slides" if deeper else ""
+
+    def unlikely(self) -> tuple[float, ...]:
+        """Return the depth at the pitch point, where nothing slides, over what tip and root make likely."""
+        return (self.pitch / math.hypot(SHARE * self.tip, SHARE * self.root, LEAST),)
 
     def act(self, flanks: Flanks, setup: Setup) -> Flanks:
         """Take the worn metal from all teeth."""

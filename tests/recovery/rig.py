@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,9 +49,9 @@ def on_the_rig(folder: Path, hidden: dict[str, Any], plan: dict[str, Any] = PLAN
     return folder / "rig" / "campaign.toml"
 
 
-def beside_nuisances(folder: Path, hidden: dict[str, Any], records: list[dict[str, Any]]) -> View:
-    """Measure records of the nominal pair with a hidden effect, or none ({}); return them beside nuisances alone, quickly fitted."""
-    campaign = read_campaign(on_the_rig(folder, {"effect": [hidden]} if hidden else {}, PLAN | {"record": records}))
+def beside_nuisances(folder: Path, hidden: Sequence[dict[str, Any]], records: list[dict[str, Any]]) -> View:
+    """Measure records of the nominal pair with hidden effects; return them beside nuisances alone, quickly fitted."""
+    campaign = read_campaign(on_the_rig(folder, {"effect": list(hidden)} if hidden else {}, PLAN | {"record": records}))
     problem = Problem(campaign, campaign.records, tuple(measure_noise(record, campaign.setup.pair) for record in campaign.records))
     alone = problem.fit((), problem.prepare((), problem.unknowns.of(neutral(campaign.setup.pair))))
     return view_of(problem, alone, alone.point.weights, alone.squares)

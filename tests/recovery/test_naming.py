@@ -12,7 +12,8 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fit import Fit, _inexact
-from gearfem.diagnosis.mimic import mimicked
+from gearfem.diagnosis.mimic import _form_scales, mimicked
+from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, stays, uneven, waves_of
@@ -71,6 +72,18 @@ def test_how_far_a_shape_may_be_wrong_imitates_another_effect_and_not_its_own(fo
     (alone,) = mimicked(problem, problem.fit((small,), start, rounds=0))
     assert own < 0.2
     assert other > 3.0 * alone
+
+
+def test_only_forms_of_the_gear_without_its_effect_are_smaller(found: Diagnosis) -> None:
+    """Errors of the model stand before them, forms of the other gear and the rise of the largest Kw behind."""
+    problem, slope = found.problem, ProfileSlope(gear="pinion", amount=60.0 * UM)
+    problem.prepare((slope,), np.zeros_like(found.naming.fit.point.unknown))
+    terms, first = problem.unknowns.scatter.terms, len(problem.unknowns.errors)
+    scales = _form_scales(problem, (), first + 2 * terms + 1)
+    pinion = scales[first : first + terms]
+    assert pinion == pytest.approx(form_errors(problem.bench(()))[0] / form_errors(problem.bench((slope,)))[0], rel=1e-12, abs=0.0)
+    assert pinion[0] < 0.1
+    assert np.delete(scales, np.arange(first, first + terms)) == pytest.approx(1.0, rel=0.0, abs=0.0)
 
 
 def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> None:

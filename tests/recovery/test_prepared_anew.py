@@ -25,7 +25,7 @@ from tests.recovery.rig import PLAN, beside_nuisances
 
 def test_what_a_fit_prepared_anew_promises_holds(tmp_path: Path) -> None:
     hidden = {"name": "tip_relief", "gear": "wheel", "amount_um": 6.0, "length_mm": 2.0}
-    problem = beside_nuisances(tmp_path, hidden, [PLAN["record"][0], PLAN["record"][-1]]).problem
+    problem = beside_nuisances(tmp_path, [hidden], [PLAN["record"][0], PLAN["record"][-1]]).problem
     start = problem.prepare((), problem.unknowns.of(neutral(problem.campaign.setup.pair)))
     before = problem.attained(problem.at((), start))
     found = again(problem, (), start)
@@ -36,7 +36,7 @@ def test_what_a_fit_prepared_anew_promises_holds(tmp_path: Path) -> None:
 
 def test_fits_from_different_places_end_alike(tmp_path: Path) -> None:
     hidden = {"name": "tip_relief", "gear": "wheel", "amount_um": 6.0, "length_mm": 2.0}
-    problem = beside_nuisances(tmp_path, hidden, [PLAN["record"][0], PLAN["record"][-1]]).problem
+    problem = beside_nuisances(tmp_path, [hidden], [PLAN["record"][0], PLAN["record"][-1]]).problem
     level = neutral(problem.campaign.setup.pair)
     ends = []
     for errors in ((), (1.0, -1.0, 1.0, 1.0, 1.0, 1.0)):
@@ -49,7 +49,7 @@ def test_fits_from_different_places_end_alike(tmp_path: Path) -> None:
 
 
 def test_where_a_round_ends_that_cannot_be_computed_the_one_before_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    problem = beside_nuisances(tmp_path, {}, [PLAN["record"][0], PLAN["record"][-1]]).problem
+    problem = beside_nuisances(tmp_path, [], [PLAN["record"][0], PLAN["record"][-1]]).problem
     start = problem.unknowns.of(neutral(problem.campaign.setup.pair))
     prepare, prepared = Problem.prepare, []
 

@@ -27,7 +27,7 @@ def typical(shown: View) -> Effect:
 
 def test_a_resonance_is_found_near_its_frequency(tmp_path: Path) -> None:
     hidden = {"name": "sensor_resonance", "frequency_Hz": 1700.0, "ratio": 0.08}
-    shown = beside_nuisances(tmp_path, hidden, [SLOW, MOVING])
+    shown = beside_nuisances(tmp_path, [hidden], [SLOW, MOVING])
     first, *others = rung(shown, typical(shown))
     assert isinstance(first, SensorResonance)
     # The best of frequencies 5 % apart, before anything else has moved.
@@ -36,14 +36,14 @@ def test_a_resonance_is_found_near_its_frequency(tmp_path: Path) -> None:
 
 
 def test_without_a_motion_over_the_angle_a_few_frequencies_are_tried(tmp_path: Path) -> None:
-    shown = beside_nuisances(tmp_path, {}, [SLOW])
+    shown = beside_nuisances(tmp_path, [], [SLOW])
     few = shapes_of(typical(shown), shown.problem.campaign.setup)
     assert [one.describe() for one in rung(shown, typical(shown))] == [one.describe() for one in few]
 
 
 def test_where_a_motion_keeps_a_gap_fits_prepared_anew_find_a_resonance_too(tmp_path: Path) -> None:
     """Nuisances may have done its work where the fit stands, so that the scan shows nothing of it."""
-    shown = beside_nuisances(tmp_path, {"name": "sensor_resonance", "frequency_Hz": 1700.0, "ratio": 0.08}, [SLOW, MOVING])
+    shown = beside_nuisances(tmp_path, [{"name": "sensor_resonance", "frequency_Hz": 1700.0, "ratio": 0.08}], [SLOW, MOVING])
     fits = _rung_anew(shown, typical(shown))
     best = min(fits, key=lambda fit: fit.objective)
     assert isinstance(best.effects[0], SensorResonance)

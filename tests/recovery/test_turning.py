@@ -21,7 +21,7 @@ from tests.recovery.rig import NOMINAL, PLAN, beside_nuisances
 def found(folder: Path, hidden: dict[str, Any]) -> list[Effect]:
     """Return what is found of a hidden effect of the pinion beside nuisances alone."""
     records = [record for record in PLAN["record"] if record["pinion_torque_Nm"] in (6.0, 120.0)]
-    view = beside_nuisances(folder, {"gear": "pinion"} | hidden, records)
+    view = beside_nuisances(folder, [{"gear": "pinion"} | hidden], records)
     return turned(view, catalogue()[hidden["name"]].example(view.problem.campaign.setup))
 
 

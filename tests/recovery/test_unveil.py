@@ -11,7 +11,7 @@ from gearfem.diagnosis import choose, compare, rank, read_campaign
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.straying import beyond, halves
-from gearfem.diagnosis.unveil import _in_place, unveiled
+from gearfem.diagnosis.unveil import in_place, unveiled
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -78,7 +78,8 @@ def test_effects_in_the_place_of_what_strays_do_the_same(veiled: Comparison) -> 
     gain = next(i for i, nuisance in enumerate(problem.nuisances) if nuisance.name == "gain")
     unknown[[gain, problem.unknowns.wrong.start, problem.unknowns.wrong.start + 1]] = 4.0, -3.5, 2.0
     before = problem.predict((), unknown)
-    starts = list(_in_place(problem, unknown, {SensorGain, ContactCompliance, BodyCompliance}))
+    kinds = {kind.name: kind for kind in (SensorGain, ContactCompliance, BodyCompliance)}
+    starts = list(in_place(problem, unknown, rank(problem, veiled.alone, kinds)))
     assert [(type(effect), effect.scale) for (effect,), _ in starts] == [(SensorGain, np.exp(4.0 * 0.02)), (ContactCompliance, 1.5**-3.5)]
     for effects, without in starts:
         for one, other in zip(problem.predict(effects, without), before, strict=True):
