@@ -144,13 +144,16 @@ def search_beside(pinion: Outline, wheel: Outline, placement: Placement, angle: 
 # ---- refinement ---------------------------------------------------------------------------------
 
 
-def _meet(pinion: Outline, wheel: Outline, distance: float, axis1: Array, u1: Array) -> Meeting:
-    """Return where pinion points would meet the wheel, exactly."""
+def _meet(pinion: Outline, wheel: Outline, distance: float, axis1: Array, u1: Array, edge2: NDArray[np.bool_]) -> Meeting:
+    """Return where pinion points would meet the wheel, exactly; on its edge where they have been found there.
+
+    By its base circle the flank turns with the root of the radius: an edge sought by that would lose half of its digits.
+    """
     place, direction = pinion.evaluate(u1)
     cosine, sine = np.cos(axis1), np.sin(axis1)
     x, y = place[:, 0] * cosine - place[:, 1] * sine, place[:, 0] * sine + place[:, 1] * cosine
     radius = np.hypot(distance - x, y)
-    u2 = wheel.at_radius(radius)
+    u2 = np.where(edge2, FLANK, wheel.at_radius(radius))
     mate, normal2 = wheel.evaluate(u2)
     axis2 = np.arctan2(-y, distance - x) - np.arctan2(mate[:, 1], mate[:, 0])
     direction1, direction2 = direction + axis1, normal2 + axis2
@@ -165,7 +168,7 @@ def _refined(pinion: Outline, wheel: Outline, placement: Placement, axis1: Array
     failed = kernel().refine(pinion.curve, wheel.curve, distance, axis1, row, low, high, kind, u)
     if failed:
         raise SolveError(f"the contact point of two worn flanks did not converge at {failed} of {len(u)} places")
-    return _meet(pinion, wheel, distance, axis1[row], u)
+    return _meet(pinion, wheel, distance, axis1[row], u, kind == EDGE2)
 
 
 @functools.cache

@@ -70,6 +70,15 @@ def test_contact_on_an_undercut_edge(gear_factory, coal_combine, dense_gap) -> N
     _assert_contacts_hold(pair, flanks, coal_combine, dense_gap)
 
 
+def test_contact_on_an_edge_by_the_base_circle(gear_factory, coal_combine, dense_gap) -> None:
+    """The flank turns with the root of the radius there: whichever gear drives, its edge is met at the edge itself."""
+    gears = [gear_factory(18, 1e-3, 10e-3, 0.0), gear_factory(12, 1e-3, 7e-3, 0.0)]
+    pair = GearPair(pinion=gears[0], wheel=gears[1], centre_distance=15e-3, face_width=10e-3, normal_backlash=0.0)
+    worn = [deviation(gear, wear) for gear, wear in zip(gears, ((0.03125, 0.25, 0.25, 0.0, 0.0), (0.0, 0.5, 0.2, 0.0, 0.0)), strict=True)]
+    outlines = [Outline(gear=gear, deviation=one) for gear, one in zip(gears, worn, strict=True)]
+    _assert_contacts_hold(pair, Flanks(pinion=outlines[0], wheel=outlines[1]), coal_combine, dense_gap)
+
+
 def _assert_contacts_hold(pair: GearPair, flanks: Flanks, coal_combine, dense_gap) -> None:
     placement, pitch = placed(pair, coal_combine), pair.pinion.pitch_angle
     angle = np.linspace(-0.8, 0.8, 49) * pitch
