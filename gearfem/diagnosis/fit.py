@@ -50,8 +50,8 @@ class Fit(Record):
     bound : tuple of (int, str)
         Parameters that ended at a bound: number of the effect and field.
     objective : float
-        Squares of the whitened residual and of all nuisances in prior deviations, summed, and what scales cost that stray, see `beyond`:
-        as attained where the fit stands.
+        Squares of the whitened residual and of all nuisances in prior deviations, summed, and what scales cost that stray, see `beyond`,
+        and effects that are unlikely: as attained where the fit stands.
     point : Point
         Where the fit ended.
     settings : Settings
