@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +33,10 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command and turn its errors into exit statuses."""
+        lost: list[str] = []
         try:
-            return super().invoke(ctx)
+            with _told_of(lost):
+                return super().invoke(ctx)
         except InputError as error:
             of_model = ctx.obj and not error.where.startswith("--")
             _end(ctx, f"error: {error.in_file(ctx.obj) if of_model else error}", REFUSED)
@@ -47,12 +51,34 @@ class Commands(click.Group):
             _end(ctx, f"error: {error}", FAILED)
         except KeyboardInterrupt:
             _end(ctx, "interrupted", INTERRUPTED)
+        except RuntimeError:
+            if not lost:
+                raise
+            _end(ctx, "interrupted", INTERRUPTED)
         except OSError as error:
             # click itself ends quietly where the reader of a pipe has gone.
             if error.errno == errno.EPIPE:
                 raise
             _end(ctx, f"error: {error.filename or 'file'}: {(error.strerror or str(error)).lower()}", FAILED)
         return None
+
+
+@contextlib.contextmanager
+def _told_of(lost: list[str]) -> Iterator[None]:
+    """Note interrupts that are lost where Python cannot raise them, as in the middle of a compilation, which then fails."""
+    usual = sys.unraisablehook
+
+    def hook(event: sys.UnraisableHookArgs) -> None:
+        if issubclass(event.exc_type, KeyboardInterrupt):
+            lost.append("interrupt")
+        else:
+            usual(event)
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = usual
 
 
 def _end(ctx: click.Context, line: str, status: int) -> None:

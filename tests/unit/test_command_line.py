@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import ctypes
 import functools
 import os
 import signal
@@ -169,12 +170,28 @@ def test_what_fails_on_the_way_is_one_line_with_its_own_status(tmp_path, monkeyp
     assert result.stderr.count("\n") == 1
 
 
-def test_an_unforeseen_error_is_not_hidden(tmp_path, monkeypatch):
+@pytest.mark.parametrize("error", [ZeroDivisionError("a defect of the program"), RuntimeError("another one")])
+def test_an_unforeseen_error_is_not_hidden(tmp_path, monkeypatch, error):
     def fail(*_: object) -> None:
-        raise ZeroDivisionError("a defect of the program")
+        raise error
 
     monkeypatch.setattr(work, "kinematics", fail)
-    assert isinstance(call("kinematics", MODEL, "--out", tmp_path).exception, ZeroDivisionError)
+    assert call("kinematics", MODEL, "--out", tmp_path).exception is error
+
+
+def test_an_interrupt_that_is_lost_in_a_callback_still_counts(tmp_path, monkeypatch):
+    """As in the middle of a compilation: Python drops it there, and what was left undone fails later."""
+
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    def fail(*_: object) -> None:
+        ctypes.CFUNCTYPE(None)(interrupted)()
+        raise RuntimeError("no compiled object yet")
+
+    monkeypatch.setattr(work, "kinematics", fail)
+    result = call("kinematics", MODEL, "--out", tmp_path)
+    assert (result.exit_code, result.stdout, result.stderr) == (130, "", "interrupted\n")
 
 
 def test_interrupting_the_real_program_leaves_no_part_of_a_file(tmp_path):
