@@ -138,7 +138,7 @@ VARIANTS = (
         least=-2.0,
         most=2.0,
     ),
-    Variant(name="friction", words="tooth friction, 0.02", cause=_rubbing, size=0.02, is_scale=False, least=0.0),
+    Variant(name="friction", words="tooth friction, 0.02", cause=_rubbing, size=0.02, is_scale=False, least=0.0, most=12.0),
     Variant(
         name="misalignment",
         words="misalignment, 1 um over the face width",

@@ -152,23 +152,27 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
     The columns of what is linear change along the way: near a resonance, and where load passes from tooth to tooth. The problem stays
     prepared near where the fit stands that is returned.
     """
-    best = point = problem.at(effects, problem.prepare(effects, unknown))
-    there, here = copy.copy(problem), copy.copy(problem)
-    least, worse = problem.attained(best), 0
-    start = least
+    here = copy.copy(problem)
+    best = point = here.at(effects, here.prepare(effects, unknown))
+    there, lowest, worse = here, math.inf, 0
+    least = start = here.attained(best)
     # Where a round ends that cannot be computed, those before it count.
     with contextlib.suppress(InputError, SolveError):
-        for number in range(times):
-            end, attained, _ = _descend(here, point, NEARBY)
+        for _ in range(times):
+            point, attained, _ = _descend(here, point, NEARBY)
             little = _little(attained)
-            worse = 0 if least - attained > little else worse + 1
-            if attained < least:
-                least, best, there = attained, end, here
-            if number == times - 1 or worse == WORSE or start - attained < little:
+            if start - attained < little:
+                if attained < least:
+                    least, best, there = attained, point, here
                 break
-            here = copy.copy(problem)
-            point = here.at(end.effects, here.prepare(end.effects, end.unknown), end.weights, WEIGHED)
+            worse = 0 if lowest - attained > little else worse + 1
+            lowest, here = min(lowest, attained), copy.copy(problem)
+            point = here.at(point.effects, here.prepare(point.effects, point.stood), point.weights, WEIGHED)
             start = here.attained(point)
+            if start < least:
+                least, best, there = start, point, here
+            if worse == WORSE:
+                break
     problem.__dict__.update(there.__dict__)
     best, least = _eased(problem, best, least)
     return _standing(problem, best, least, jacobian(problem, best))

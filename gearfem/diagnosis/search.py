@@ -103,7 +103,7 @@ class Search:
         def one(fit: Fit) -> Fit:
             found, neutral = fit, self.problem.unknowns.neutral(fit.point.unknown)
             try:
-                found = again(copy.copy(self.problem), fit.effects, fit.point.unknown)
+                found = again(copy.copy(self.problem), fit.effects, fit.point.stood)
                 stayed = stays(self.problem, found)
                 if stayed and ((found.squares / self.problem.floor).max() < FAR or (fit.effects and fit is not first)):
                     return found
