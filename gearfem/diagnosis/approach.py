@@ -13,6 +13,7 @@ from gearfem.diagnosis.fit import ROUNDS, Fit, again
 from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.unknowns import unknowns_of
 from gearfem.diagnosis.zero import guess_zero
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -34,31 +35,25 @@ def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS) -> Fit:
 def part_of(problem: Problem, places: Sequence[int]) -> Problem:
     """Return the problem of the records at some places alone, with the nuisances that these can feel; not prepared."""
     records, noises = tuple(problem.records[i] for i in places), tuple(problem.noises[i] for i in places)
-    return Problem(problem.campaign, records, noises, problem.unknowns.scatter, problem.bench)
+    own = problem.unknowns
+    # Problems of single teeth have no nuisances, whatever the records could feel.
+    unknowns = unknowns_of(problem.campaign, records, own.scatter, own.errors, None if own.nuisances else (), own.level)
+    part = Problem(problem.campaign, records, noises, bench=problem.bench, unknowns=unknowns)
+    part.wander, part.floor, part.counts = problem.wander, problem.floor[list(places)], problem.counts[list(places)]
+    return part
 
 
-def at_rest(
-    problem: Problem, level: Settings, effects: tuple[Effect, ...] = (), edges: Sequence[float] = EDGES
-) -> tuple[tuple[Effect, ...], Settings]:
-    """Return effects and settings as slow records have them, from edges as the model has them or sharp; else those given.
+def at_rest(problem: Problem, level: Settings) -> Settings:
+    """Return settings as slow records have them, from tip edges as the model has them or sharp; else those given.
 
     They say what motions, which hide it near resonances, do not: where pairs hand over, and by how much teeth and bodies yield.
     """
     slow = [i for i, record in enumerate(problem.records) if not record.quantity.moving and not record.quantity.of_gear]
     if not slow:
-        return effects, level
+        return level
     part = part_of(problem, slow)
-    starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge)) for edge in edges]
-
-    best = min(side_by_side(lambda unknown: again(copy.copy(part), effects, unknown, TIMES), starts), key=lambda fit: fit.objective)
-    return best.effects, best.settings
-
-
-def approached(problem: Problem, level: Settings, effects: tuple[Effect, ...]) -> tuple[tuple[Effect, ...], Array]:
-    """Return effects and unknowns to fit from: as slow records have them from a level on, see `at_rest`, then `tuned` to the motions."""
-    there, settings = at_rest(problem, level, effects, (level.tip_edge_scale,))
-    here = copy.copy(problem)
-    return there, tuned(here, here.prepare(there, problem.unknowns.of(settings)), there)
+    starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge)) for edge in EDGES]
+    return min(side_by_side(lambda unknown: again(copy.copy(part), (), unknown, TIMES), starts), key=lambda fit: fit.objective).settings
 
 
 def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) -> Array:
@@ -66,9 +61,9 @@ def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) ->
 
     The misfit of a resonance has a minimum wherever one of its lines meets one of the record's: no descent leaves a wrong one.
     """
-    if not any(record.quantity.moving for record in problem.records):
-        return unknown
     names = [nuisance.name for nuisance in problem.nuisances]
+    if not {"series_compliance", "damping_scale"} <= set(names):
+        return unknown
     places = [names.index("series_compliance"), names.index("damping_scale")]
 
     def one(moved: tuple[float, float]) -> Point | None:

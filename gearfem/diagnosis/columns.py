@@ -15,6 +15,7 @@ from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.diagnosis.unknowns import FREE, Unknowns
 from gearfem.foundation import Array
+from gearfem.variants import Variant
 
 # Least Kw - 1 in parts of which anything is told.
 LEAST = 0.01
@@ -62,10 +63,12 @@ def _inner(record: Measurement, number: int, unknowns: Unknowns, bench: SystemBe
     offset = np.zeros((len(record.axis), len(unknowns.offsets)))
     if number in unknowns.offsets:
         offset[:, unknowns.offsets.index(number)] = FREE
-    return np.concatenate([offset, errors_of(record, bench, settings, unknowns.scatter, here)], axis=1)
+    return np.concatenate([offset, errors_of(record, bench, settings, unknowns.scatter, here, unknowns.errors)], axis=1)
 
 
-def errors_of(record: Measurement, bench: SystemBench, settings: Settings, scatter: Scatter, here: Array) -> Array:
+def errors_of(
+    record: Measurement, bench: SystemBench, settings: Settings, scatter: Scatter, here: Array, errors: tuple[Variant, ...]
+) -> Array:
     """Return what errors of single teeth and of our own model do to a record [SI], at one deviation each.
 
     Parameters
@@ -76,14 +79,18 @@ def errors_of(record: Measurement, bench: SystemBench, settings: Settings, scatt
         What is expected of single teeth.
     here : ndarray, shape (n,)
         What the model predicts.
+    errors : tuple of Variant
+        How the model may be wrong.
 
     Returns
     -------
     ndarray, shape (n, i)
-        Teeth; model form, see `model_form`; and how far the rise of the largest Kw of a turn by waviness may be off, see `at_peaks`.
+        Single teeth, or what these still do to means; model form, see `model_form`; and how far the rise of the largest Kw of a turn by
+        waviness may be off, see `at_peaks`.
     """
     teeth = tooth_columns(record, bench, settings, scatter)
     largest = record.quantity.name == "dynamic_factor"
     shared, rise = at_peaks(record, bench, settings, scatter) if largest else (teeth, np.zeros(len(here)))
-    form = model_form(record, bench, settings, here, shared, scatter)
-    return np.column_stack([teeth * scatter.deviations(bench.pair), form, rise / EXPECTED_RISE])
+    form = model_form(record, bench, settings, here, shared, scatter, errors)
+    single = scatter.rest[record.file] if scatter.rest is not None else teeth * scatter.deviations(bench.pair)
+    return np.column_stack([single, form, rise / EXPECTED_RISE])

@@ -7,7 +7,8 @@ import dataclasses
 from functools import partial
 
 from gearfem.diagnosis.approach import LOST, at_rest, fit_from, part_of, tuned
-from gearfem.diagnosis.bench import neutral
+from gearfem.diagnosis.averages import averaged, stand, teeth_under
+from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.comparison import Compared, Comparison, Shift
 from gearfem.diagnosis.fit import Fit, again
@@ -15,7 +16,6 @@ from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import BenchOf, Problem
 from gearfem.diagnosis.search import stays
-from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.zero import guess_zero
@@ -23,8 +23,10 @@ from gearfem.foundation.progress import Progress, quiet
 
 # Terms of the waviness of a flank. To find the zero and the noise, the few of `Scatter` are enough, and they leave the noise alone.
 TERMS = 14
-# Rounds in which guesses of the zero are told apart, in which the noise is found, and before derivatives are taken again.
-GUESSED, ROUGH, EARLY = 1, 3, 4
+# Rounds in which guesses of the zero are told apart, and in which the noise is found.
+GUESSED, ROUGH = 1, 3
+# Times that nuisances and single teeth are fitted by turns.
+TURNS = 2
 
 
 def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf | None = None, progress: Progress = quiet) -> Comparison:
@@ -52,10 +54,10 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
 
     Notes
     -----
-    The zero of the angle comes first, from the slow records where there are any; then a rough fit, whose remainder shows the noise; then
-    the slow records by themselves, and the compliance in series and the damping that suit motions; then the fit itself, whose derivatives
-    are taken anew until that gains little, from several places where nuisances stray. Those that do the work of a missing effect still
-    do then, see `unveiled`.
+    The zero of the angle comes first, from the slow records where there are any; then a rough fit, whose remainder shows the noise. Then
+    nuisances and errors of the model come from the means over the pitches (`averaged`), and index errors and waviness from the records row
+    by row (`of_single_teeth`), by turns: in the means the slow records come first, then the compliance in series and the damping that suit
+    motions, then all, from several places where nuisances stray. Those that do the work of a missing effect still do then, see `screened`.
     """
     records, pair = campaign.fitted, campaign.setup.pair
     noises = tuple(measure_noise(record, pair) for record in records)
@@ -71,23 +73,42 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     # Solid elements for leads, before the work is shared out: what children compute is lost with them.
     problem.predict((), problem.unknowns.of(dataclasses.replace(level, errors=(1.0,) * len(problem.bench(()).errors))))
     progress("nuisances", 1, 4)
-    _, start = at_rest(problem, dataclasses.replace(level, angle_offset=found.settings.angle_offset))
-    progress("nuisances", 2, 4)
-    met = tuned(problem, problem.prepare((), problem.unknowns.of(start)))
-    early = problem.fit((), met, EARLY)
-    progress("nuisances", 3, 4)
-    alone = fit_from(problem, early.settings)
-    problem.remember(alone)
-    if (alone.squares / problem.floor).max() > LOST or not stays(problem, alone):
-        # Motions that nothing meets drew nuisances away from slow records before it was known how little they count; or they stray, and
-        # where the first fit began, or those as the model has them, may lead nearer.
-        starts = (alone.point.unknown, met, problem.unknowns.neutral(alone.point.unknown))
-        alone = min(side_by_side(lambda unknown: again(copy.copy(problem), (), unknown), starts), key=lambda fit: fit.objective)
-        problem.prepare((), alone.point.stood)
+    level = dataclasses.replace(level, angle_offset=found.settings.angle_offset)
+    if any(record.quantity.axis == "angle" for record in records):
+        alone, shifts = _by_turns(problem, level, found.settings, progress)
     else:
-        alone = again(problem, (), alone.point.unknown)
+        alone = again(problem, (), problem.unknowns.of(level))
+        shifts = _shifts(problem, alone)
+        problem.remember(alone)
     progress("nuisances", 4, 4)
-    return Comparison(problem=problem, alone=alone, shifts=_shifts(problem, alone), records=_compared(problem, alone))
+    return Comparison(problem=problem, alone=alone, shifts=shifts, records=_compared(problem, alone))
+
+
+def _by_turns(problem: Problem, level: Settings, late: Settings, progress: Progress) -> tuple[Fit, tuple[Shift, ...]]:
+    """Return the fit of the nuisances, from a level on and the index errors of a rough fit, and where they went."""
+    fit = None
+    late = dataclasses.replace(level, pinion_late=late.pinion_late, wheel_late=late.wheel_late)
+    for number in range(TURNS):
+        progress("nuisances", 2 + number, 2 + TURNS)
+        mean = averaged(problem, late)
+        fit = _of_means(mean, level) if fit is None else again(mean, (), mean.unknowns.of(fit.settings))
+        teeth, single = teeth_under(problem, fit.settings, ())
+        late = dataclasses.replace(fit.settings, pinion_late=single.settings.pinion_late, wheel_late=single.settings.wheel_late)
+    assert fit is not None
+    alone = stand(problem, fit, teeth, single)
+    problem.memory = teeth.memory
+    return alone, _shifts(mean, fit)
+
+
+def _of_means(mean: Problem, level: Settings) -> Fit:
+    """Return the fit of the nuisances to means over the pitches, prepared nowhere yet."""
+    start = at_rest(mean, level)
+    met = tuned(mean, mean.prepare((), mean.unknowns.of(start)))
+    alone = again(mean, (), met)
+    if (alone.squares / mean.floor).max() < LOST and stays(mean, alone):
+        return alone
+    other = again(copy.copy(mean), (), mean.unknowns.neutral(alone.point.unknown))
+    return min(alone, other, key=lambda fit: fit.objective)
 
 
 def _zero(problem: Problem, progress: Progress) -> float:

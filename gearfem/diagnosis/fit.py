@@ -251,6 +251,9 @@ def _ahead(problem: Problem, point: Point, left: float, derivatives: Array) -> t
 def _steps(problem: Problem, point: Point, derivatives: Array) -> Iterator[Array]:
     """Yield steps of parameters and outer nuisances, within their bounds, that would leave least if all were linear, damped ever more."""
     values, outer = parameters.values(point.effects), point.unknown[: problem.outer]
+    if not values.size + outer.size:
+        yield np.empty(0)
+        return
     low, high = parameters.bounds(point.effects, problem.campaign.setup)
     reach = np.array([nuisance.reach for nuisance in problem.nuisances])
     low, high = np.concatenate([low - values, -reach - outer]), np.concatenate([high - values, reach - outer])
@@ -268,6 +271,8 @@ def _steps(problem: Problem, point: Point, derivatives: Array) -> Iterator[Array
 
 
 def _deviations(problem: Problem, point: Point, derivatives: Array) -> tuple[dict[str, float], ...]:
+    if not point.effects:
+        return ()
     gram, _ = _measure(problem, point, derivatives)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     inverse = np.linalg.pinv(scale[:, None] * gram * scale, rcond=1e-12, hermitian=True)

@@ -34,7 +34,8 @@ def at_peaks(record: Measurement, bench: Bench, settings: Settings, scatter: Sca
     Returns
     -------
     columns : ndarray, shape (n, (z1 + z2) (terms + 1))
-        As of `tooth_columns`: those of Kw where it is largest. They hold for what all teeth share.
+        As of `tooth_columns`: those of Kw where it is largest. They hold for what all teeth share; of the mean teeth alone where the
+        scatter describes these.
     rise : ndarray, shape (n,)
         Expected.
 
@@ -44,15 +45,18 @@ def at_peaks(record: Measurement, bench: Bench, settings: Settings, scatter: Sca
     pitches of a turn, each moved by the standard deviation s on its own, the largest is expected at the integral of
     1 - prod Phi((t - k_i)/s) over t, from below all of them on.
     """
-    waves = scatter.deviations(bench.pair)
+    single, first = dataclasses.replace(scatter, rest=None), bench.pair.pinion.teeth
+    waves = single.deviations(bench.pair)
     waves[:: scatter.terms + 1] = 0.0
     columns, rise = [], []
     for speed in record.axis.tolist():
         peaks = bench.peaks(record.pinion_torque, speed, settings)
         here = record.over(np.array([peaks.angle]))
         there = dataclasses.replace(here, quantity=QUANTITIES["pinion_angular_acceleration"], pinion_speed=speed)
-        column = peaks.share * tooth_columns(there, bench, settings, scatter)
-        columns.append(column)
+        column = peaks.share * tooth_columns(there, bench, settings, single)
+        teeth = column.reshape(1, -1, scatter.terms + 1)
+        shared = np.stack([teeth[:, :first].sum(axis=1), teeth[:, first:].sum(axis=1)], axis=1).reshape(1, -1)
+        columns.append(shared if scatter.common else column)
         rise.append(largest_of(peaks.factors, float(np.linalg.norm(column * waves))) - peaks.factors.max())
     return np.concatenate(columns), np.array(rise)
 

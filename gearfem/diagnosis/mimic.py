@@ -73,7 +73,7 @@ def _form_scales(problem: Problem, effects: tuple[Effect, ...], count: int) -> A
     Only forms common to all teeth are: they stand behind the variants, and the rise of the largest Kw behind them.
     """
     terms, scales = problem.unknowns.scatter.terms, np.ones(count)
-    parts = zip(form_errors(problem.bench(effects)), form_errors(problem.bench(problem.effects)), strict=True)
+    parts = zip(*(form_errors(problem.bench(own)) for own in (effects, problem.effects)), strict=True)
     forms = slice(len(problem.unknowns.errors), len(problem.unknowns.errors) + 2 * terms)
     scales[forms] = np.repeat([here / prepared for here, prepared in parts], terms)
     return scales

@@ -14,6 +14,7 @@ from gearfem.diagnosis.teeth import Scatter
 from gearfem.effects.effect import MEMBERS
 from gearfem.foundation import Array
 from gearfem.foundation.units import UM
+from gearfem.variants import Variant
 
 # Form errors that all teeth of a gear share, beside the waviness of each: of a sound flank, and as a share of what is missing from it,
 # since no relief, wear or slope has quite the shape that its name stands for.
@@ -22,7 +23,9 @@ COMMON_FORM, SHAPE = 0.1 * UM, 0.1
 STEP = 0.02
 
 
-def model_form(record: Measurement, bench: SystemBench, settings: Settings, here: Array, teeth: Array, scatter: Scatter) -> Array:
+def model_form(
+    record: Measurement, bench: SystemBench, settings: Settings, here: Array, teeth: Array, scatter: Scatter, errors: tuple[Variant, ...]
+) -> Array:
     """Return what our own errors would do to a record, at one standard deviation.
 
     Parameters
@@ -39,23 +42,26 @@ def model_form(record: Measurement, bench: SystemBench, settings: Settings, here
         From `tooth_columns`.
     scatter : Scatter
         Terms of the form of a flank.
+    errors : tuple of Variant
+        Those that are unknown, the first ones of the bench's.
 
     Returns
     -------
     ndarray, shape (n, v + 2 terms)
         Derivatives over the errors of the model, then the form errors that all teeth of the pinion, and of the wheel, share.
     """
-    return np.column_stack([_wrong(record, bench, settings, here), _common(teeth, bench, scatter)])
+    return np.column_stack([_wrong(record, bench, settings, here, errors), _common(teeth, bench, scatter)])
 
 
-def _wrong(record: Measurement, bench: SystemBench, settings: Settings, here: Array) -> Array:
+def _wrong(record: Measurement, bench: SystemBench, settings: Settings, here: Array, errors: tuple[Variant, ...]) -> Array:
     """Return the derivatives of a record over the errors of the model, shape (n, v)."""
-    out = np.zeros((len(record.axis), len(bench.errors)))
-    moved = settings.errors or (0.0,) * len(bench.errors)
-    for place, (variant, stands) in enumerate(zip(bench.errors, moved, strict=True)):
+    out = np.zeros((len(record.axis), len(errors)))
+    moved = settings.errors or (0.0,) * len(errors)
+    for place, variant in enumerate(errors):
+        stands = moved[place]
         step = STEP if stands + STEP <= variant.most else -STEP
-        errors = (*moved[:place], stands + step, *moved[place + 1 :])
-        out[:, place] = (bench.predict(record, dataclasses.replace(settings, errors=errors)) - here) / step
+        ahead = (*moved[:place], stands + step, *moved[place + 1 :])
+        out[:, place] = (bench.predict(record, dataclasses.replace(settings, errors=ahead)) - here) / step
     return out
 
 
@@ -67,8 +73,7 @@ def form_errors(bench: SystemBench) -> tuple[float, float]:
 
 def _common(teeth: Array, bench: SystemBench, scatter: Scatter) -> Array:
     """Return the columns of form errors common to all teeth of either gear, shape (n, 2 terms)."""
-    z1 = bench.pair.pinion.teeth
+    first = scatter.counts(bench.pair)[0]
     waves = teeth.reshape(len(teeth), -1, scatter.terms + 1)[:, :, 1:]
-    sizes = np.sqrt((2.0 * np.arange(1, scatter.terms + 1) + 1.0) / scatter.terms)
-    pinion, wheel = (size * sizes for size in form_errors(bench))
-    return np.concatenate([waves[:, :z1].sum(axis=1) * pinion, waves[:, z1:].sum(axis=1) * wheel], axis=1)
+    pinion, wheel = (size * scatter.shapes() for size in form_errors(bench))
+    return np.concatenate([waves[:, :first].sum(axis=1) * pinion, waves[:, first:].sum(axis=1) * wheel], axis=1)

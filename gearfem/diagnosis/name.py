@@ -1,40 +1,24 @@
-"""Name the effects that a campaign shows: chosen one by one, tried against each other, and only after the last test."""
+"""Name the effects that a campaign shows: of all teeth by means over the pitches, of single teeth and turns by what differs from these."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping, Sequence
+import dataclasses
+from collections.abc import Mapping
 
-import numpy as np
-
-from gearfem.diagnosis.candidate import Candidate, together
-from gearfem.diagnosis.few import judge_few
-from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.identify import identify
-from gearfem.diagnosis.problem import DETECTED, Problem
-from gearfem.diagnosis.rank import rank, rank_again
-from gearfem.diagnosis.search import MOST, Search, Start, label, stays, way_of, without_one
-from gearfem.diagnosis.shapes import bounded, stands
-from gearfem.diagnosis.unveil import in_place, unveiled
-from gearfem.diagnosis.verdict import Naming, gap_left, judge
-from gearfem.effects.effect import Effect
+from gearfem.diagnosis.averages import averaged, of_single_teeth, stand, teeth_under
+from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.search import Search, label
+from gearfem.diagnosis.select import select
+from gearfem.diagnosis.verdict import Naming, Verdict, judge, sentence_of
+from gearfem.effects.effect import Effect, Repeat
+from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
-# Single effects, and further ones beside the best, that are fitted.
-FITTED, PAIRED = 8, 4
-# Cosine beyond which two responses count as one in the search.
-ALIKE = 0.999
-# Share of what counts as detected that an explanation must gain, or nothing is looked for beside it; and that one must promise, or
-# records without a gap need no search.
-HOPELESS = 0.5
-# Explanations that are fitted again, with derivatives taken where they stand, before the search goes on; further ones after that.
-SETTLED, FURTHER_SETTLED = 4, 2
-# Shares of the first gear at which an effect of both gears is tried.
-SPLITS = (0.2, 0.35, 0.5, 0.65, 0.8)
-# Cosine of two responses, freed from all nuisances, from which on one may pass for the other; and how many of those are fitted.
-NEAR, MOST_ALIKE = 0.5, 4
-# What a candidate must promise to gain to be fitted.
-PROMISING = DETECTED / 8.0
+# Effects that means over the pitches show; all others differ from pitch to pitch.
+IN_MEANS: tuple[Repeat, ...] = ("every tooth", "not periodic")
+# Verdicts that name something.
+NAMED: tuple[Verdict, ...] = ("explained", "partly_explained", "ambiguous")
 
 
 def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> Naming:
@@ -43,7 +27,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     Parameters
     ----------
     problem : Problem
-        Records to fit, their noise and nuisances, prepared at `alone`.
+        Records to fit, their noise and nuisances.
     alone : Fit
         Nuisances alone.
     kinds : mapping of str to type
@@ -54,171 +38,90 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     Returns
     -------
     Naming
+        The problem is then prepared where its fit stands.
 
     Notes
     -----
-    Forward selection with back-elimination, up to three effects; the first candidates are tried in pairs too. A score is the objective
-    (what records cost by `profile`, and all nuisances, model form included, in prior deviations, squared) plus a cost for each
-    parameter, for the choice of a tooth and for a parameter at its bound. Records that nuisances leave without a gap end before the
-    search, where these stay within reason and no candidate promises much, or else where no single effect keeps what it promised. Leads
-    need solid elements: the misalignment among the errors of the model has computed them before the work is shared out.
+    Effects of all teeth, and what does not come back with the turns, are selected by the means over the pitches (`averaged`), which hold
+    all that is known of them, of nuisances and of errors of our own model; then, these standing still, effects of single teeth and turns
+    by the records row by row (`of_single_teeth`). What is found of one kind is judged anew beside the other. Campaigns without a record
+    over the pinion angle have no means and are searched once for all effects.
     """
-    if problem.effects:
-        # A search before has left it prepared at what that named.
-        problem.prepare((), alone.point.unknown)
-    search = Search(problem, alone)
-    first = rank(problem, alone, kinds, progress)
-    shown = identify(problem, alone, first)
-    if alone.objective < search.problem.detected:
-        return judge_few(search, judge(search, shown), first, progress)
-    if _agrees(search, first):
-        return judge(search, shown)
-    _singles(search, alone, first, progress)
-    if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * search.problem.detected:
-        return judge(search, shown)
-    _pairs(search, alone, first, progress)
-    search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
-    _in_place(search, first, progress)
-    _further(search, first, progress)
-    _eliminate(search)
-    _twins(search, first, progress)
+    if not any(record.quantity.axis == "angle" for record in problem.records):
+        return select(problem, alone, kinds, progress)
+    mean = averaged(problem, alone.settings)
+    base = again(mean, (), mean.unknowns.of(alone.settings))
+    first = select(mean, base, {word: kind for word, kind in kinds.items() if kind.repeats in IN_MEANS}, progress)
+    second = _of_teeth(problem, first.fit, {word: kind for word, kind in kinds.items() if kind.repeats not in IN_MEANS}, progress)
+    if first.fit.effects or second.fit.effects:
+        first = _anew(problem, first, second, progress)
+    return _joined(problem, alone, first, second)
+
+
+def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
+    """Return what single teeth and turns show beside a fit of the means."""
+    teeth, bare = teeth_under(problem, fit.settings, fit.effects, whole=False)
+    return select(teeth, bare, kinds, progress)
+
+
+def _anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -> Naming:
+    """Return the verdict on the means again, single teeth and their effects as they have been found beside it."""
+    mean = averaged(problem, second.fit.settings, second.fit.effects)
+    start = mean.unknowns.of(first.best.settings)
+    search = Search(mean, again(mean, (), mean.unknowns.of(first.alone.settings)))
+    sets = [first.best.effects, *(rival.effects for rival in first.rivals if rival.near)]
+    for number, effects in enumerate(sets):
+        progress("effects of all teeth again", number, len(sets))
+        if effects:
+            try:
+                search.fits[label(effects)] = again(mean, effects, start)
+            except (InputError, SolveError):
+                continue
+    progress("effects of all teeth again", len(sets), len(sets))
     best = search.best()
-    problem.prepare(best.effects, best.point.unknown)
-    memory = problem.memory
-    problem.remember(best)
-    # What a fit far off leaves looks alike for long: no reason to count it less.
-    problem.memory = np.minimum(memory, problem.memory)
-    jobs = [search.alone, *([best] if best.effects else []), *search.rivals()]
-    search.fits = {}
-    search.settle(jobs, progress, "rivals again")
-    search.abreast(progress)
-    best = search.best()
-    problem.prepare(best.effects, best.point.unknown)
-    naming = judge(search, shown)
-    if naming.best is not best:
-        problem.prepare(naming.best.effects, naming.best.point.unknown)
-    return naming
+    mean.prepare(best.effects, best.point.stood)
+    return judge(search, first.identifiable)
 
 
-def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> None:
-    """Fit further effects beside the best so many, as long as these gain enough to build on."""
-    problem, setup = search.problem, search.problem.campaign.setup
-    for count in range(1, MOST):
-        # The best so many, though a pair may have been found already: each is a place to go on from.
-        best = search.best(count)
-        if len(best.effects) != count or search.gained(best) < HOPELESS * search.problem.detected:
-            break
-        problem.prepare(best.effects, best.point.unknown)
-        named = label(best.effects)
-        again = [c for c in rank_again(problem, best, candidates, progress) if c.gain > PROMISING and label((c.effect,))[0] not in named]
-        starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in _of_each_way(_apart(again))]
-        search.fit(starts, best, progress, "further effects")
-        ahead = [fit for fit in search.first(len(search.fits)) if len(fit.effects) == count + 1]
-        search.settle(ahead[:FURTHER_SETTLED], progress, "these again")
+def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Naming:
+    """Return one verdict from that on the means and that on single teeth."""
+    teeth = of_single_teeth(problem, first.fit.settings, first.fit.effects)
+    single = teeth.fit(second.fit.effects, teeth.prepare(second.fit.effects, second.fit.point.stood), rounds=0)
+    fit = stand(problem, first.fit, teeth, single)
+    best = (*first.best.effects, *second.best.effects)
+    named = [one for one in (first, second) if one.fit.effects]
+    verdict = _verdict(first.verdict, second.verdict)
+    closed = max((one.closed for one in named), default=max(first.closed, second.closed))
+    if not fit.effects:
+        problem.prepare((), alone.point.stood)
+        fit = alone
+    rivals = (
+        *(dataclasses.replace(rival, effects=(*rival.effects, *second.fit.effects)) for rival in first.rivals),
+        *(dataclasses.replace(rival, effects=(*first.fit.effects, *rival.effects)) for rival in second.rivals),
+    )
+    return Naming(
+        verdict=verdict,
+        fit=fit,
+        alone=alone,
+        best=fit if fit.effects or not best else dataclasses.replace(fit, effects=best),
+        p_values=tuple(chance for one in named for chance in one.p_values),
+        closed=closed,
+        rivals=tuple(sorted(rivals, key=lambda rival: rival.score_difference)),
+        identifiable=tuple(sorted((*first.identifiable, *second.identifiable), key=lambda one: one.limit)),
+        threshold=max(first.threshold, second.threshold),
+        sentence=sentence_of(verdict, fit, closed),
+        reasons=(
+            *(f"All teeth: {reason}" for reason in first.reasons),
+            *(f"Single teeth: {reason}" for reason in second.reasons),
+        ),
+    )
 
 
-def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
-    """Return whether nuisances alone leave no gap, do the work of no effect, and no candidate promises half of what a name needs."""
-    sound = gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
-    return sound and all(candidate.gain < HOPELESS * search.problem.detected for candidate in candidates)
-
-
-def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
-    chosen = _apart([c for c in candidates if c.gain > PROMISING])[:FITTED]
-    setup = search.problem.campaign.setup
-    starts: list[Start] = [((candidate.start(setup),), candidate.unknown) for candidate in chosen]
-    veiled = unveiled(search.problem, alone, candidates, progress)
-    search.fit([*veiled, *starts], alone, progress, "single effects")
-    _again(search, veiled, progress)
-
-
-def _in_place(search: Search, candidates: Sequence[Candidate], progress: Progress) -> None:
-    """Fit effects in the place of what strays in the nuisances alone, now that these have found theirs."""
-    alone = search.alone
-    starts: list[Start] = list(in_place(search.problem, alone.point.unknown, candidates))
-    search.fit(starts, alone, progress, "effects in the place of nuisances", anew=True)
-    _again(search, starts, progress)
-
-
-def _again(search: Search, starts: Sequence[Start], progress: Progress) -> None:
-    """Fit again what started far from where it ends: a first look says little."""
-    labels = dict.fromkeys(label(effects) for effects, _ in starts)
-    search.settle([search.fits[one] for one in labels if one in search.fits], progress, "these again")
-
-
-def _of_each_way(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the first candidates, and the first one of each way in which effects act."""
-    ways: dict[tuple[str, str], Candidate] = {}
-    for candidate in candidates:
-        ways.setdefault(way_of(candidate.effect), candidate)
-    return [c for place, c in enumerate(candidates) if place < PAIRED or c is ways[way_of(c.effect)]]
-
-
-def _apart(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the first candidates whose responses differ at all; what looks like one of them is tried beside the best at the end."""
-    kept: list[Candidate] = []
-    for candidate in candidates:
-        own = candidate.signature / np.linalg.norm(candidate.signature)
-        if all(abs(own @ other.signature) < ALIKE * np.linalg.norm(other.signature) for other in kept):
-            kept.append(candidate)
-    return kept
-
-
-def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> None:
-    """Fit the best explanation with what looks like one of its effects of all teeth in the place of this, from where the best one stands.
-
-    The same on the other gear, and whatever the records can hardly tell from it, fitted before or not: fits end by where they begin.
-    """
-    best, setup = search.best(), search.problem.campaign.setup
-    starts: list[Start] = []
-    for place, effect in enumerate(best.effects):
-        if hasattr(effect, "tooth"):
-            continue
-        before, after = best.effects[:place], best.effects[place + 1 :]
-        others = [c for c in candidates if not hasattr(c.effect, "tooth") and label((c.effect,))[0] not in label(best.effects)]
-        own = search.problem.response(best.point, (*before, *after))
-        gram, _ = search.problem.freed(best.point)(np.column_stack([own, *(c.signature for c in others)]))
-        strengths, cosines = gram[0, 1:] / np.diag(gram)[1:], gram[0, 1:] / np.sqrt(gram[0, 0] * np.diag(gram)[1:])
-        alike = [number for number in np.argsort(-np.abs(cosines)) if abs(cosines[number]) > NEAR][:MOST_ALIKE]
-        for number, candidate in enumerate(others):
-            other = candidate.effect
-            if type(other) is type(effect) and effect.of_one_gear():
-                starts.append(((*before, candidate.start(setup), *after), None))
-            elif number in alike:
-                start = other if stands(other) else bounded(other.scaled(float(strengths[number]), setup), setup)
-                starts.append(((*before, start, *after), None))
-    search.fit(starts, best, progress, "what looks alike", anew=True)
-
-
-def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
-    """Fit the pairs of the first candidates that promise most together."""
-    few = [c for c in candidates if c.gain > PROMISING][:5]
-    gains = sorted(((together(search.problem, alone, pair), pair) for pair in itertools.combinations(few, 2)), key=lambda item: -item[0])
-    single = alone.objective - search.best(1).objective
-    chosen = [pair for gain, pair in gains if gain > single + DETECTED][:1]
-    setup = search.problem.campaign.setup
-    starts: list[Start] = [(tuple(candidate.start(setup) for candidate in pair), pair[0].unknown) for pair in chosen]
-    both = _both_gears(search)
-    search.fit([*starts, *both], alone, progress, "pairs of effects")
-    _again(search, both, progress)
-
-
-def _both_gears(search: Search) -> list[Start]:
-    """Return the best single effect of all teeth of a gear on both gears, each at a share of the strength that it would have alone."""
-    best, setup = search.best(1), search.problem.campaign.setup
-    alike = [fit for fit in search.first(len(search.fits)) if [type(e) for e in fit.effects] == [type(e) for e in best.effects]]
-    if len(alike) < 2 or not best.effects[0].of_one_gear() or best.effects[0].repeats != "every tooth":
-        return []
-    starts: list[Start] = []
-    for share in SPLITS:
-        parts = zip(alike[:2], (share, 1.0 - share), strict=True)
-        starts.append((tuple(bounded(fit.effects[0].scaled(part, setup), setup) for fit, part in parts), None))
-    problem, alone = search.problem, search.alone
-    return [min(starts, key=lambda start: problem.left_at(start[0], search.start(start, alone)))]
-
-
-def _eliminate(search: Search) -> None:
-    """Fit the best explanation without each of its effects, from where it stands, whatever fits of these there were."""
-    best = search.best()
-    if len(best.effects) > 1:
-        search.fit(without_one(best), best, anew=True)
+def _verdict(first: Verdict, second: Verdict) -> Verdict:
+    """Return the verdict on a campaign from those on its means and on its single teeth."""
+    both = first, second
+    if not any(one in NAMED for one in both):
+        return "unexplained" if "unexplained" in both else "no_discrepancy"
+    if "ambiguous" in both:
+        return "ambiguous"
+    return "partly_explained" if "partly_explained" in both or "unexplained" in both else "explained"

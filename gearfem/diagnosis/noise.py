@@ -13,7 +13,7 @@ from scipy.stats import t as student
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.campaign import Measurement
-from gearfem.diagnosis.whitening import Whitener, make_whitener
+from gearfem.diagnosis.whitening import Whitening, make_whitener
 from gearfem.foundation import Array, Record
 
 Basis = Literal["repeats", "roughness", "stated", "assumed"]
@@ -43,7 +43,7 @@ class Noise(Record):
         Degrees of freedom of the estimate; infinite for a stated one (given as 1e9).
     measured_std : float
         Standard deviation as measured [SI unit]; 0 where it could not be.
-    whitener : Whitener
+    whitener : Whitening
         Makes it white.
     sentence : str
         Where it comes from, and whether it agrees with what the campaign states.
@@ -53,7 +53,7 @@ class Noise(Record):
     covariance: Array
     freedom: float
     measured_std: float
-    whitener: Whitener
+    whitener: Whitening
     sentence: str
 
     @property
@@ -67,10 +67,10 @@ class Noise(Record):
 
     def spectrum(self, cycles: Array) -> Array:
         """Return the standard deviation of the noise per unit band [SI unit] at frequencies in cycles per sample, up to 0.5."""
-        order = len(self.covariance) - 1
+        order, white = len(self.covariance) - 1, make_whitener(self.covariance, np.ones(1, bool))
         lags = np.exp(-2j * np.pi * np.asarray(cycles)[:, None] * np.arange(1, order + 1))
-        gain = np.abs(1.0 - lags @ self.whitener.predictor[order])
-        return np.asarray(math.sqrt(2.0) * self.whitener.deviation[order] / gain)
+        gain = np.abs(1.0 - lags @ white.predictor[order])
+        return np.asarray(math.sqrt(2.0) * white.deviation[order] / gain)
 
 
 def measure_noise(record: Measurement, pair: GearPair, explained: Array | None = None) -> Noise:

@@ -22,12 +22,13 @@ from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.straying import beyond
 from gearfem.diagnosis.system_bench import SystemBench, bench_of
 from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.unknowns import unknowns_of
+from gearfem.diagnosis.unknowns import Unknowns, unknowns_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 
-# What a name must gain over the nuisances alone before it counts: chance, and errors of our model that no variant holds.
-DETECTED = 40.0
+# By how much scores of the same explanation may differ, by where its fit began, and so what a name must gain over the nuisances alone at
+# least: the waviness of single teeth is linear about the point where its columns were taken.
+WANDER = 40.0
 # Share of the rows that a name must gain too: of eleven healthy pairs one gained 0.4 % by effects that imitate errors of our model.
 IMITATED = 0.005
 
@@ -52,9 +53,13 @@ class Problem:
         What single teeth are expected to do.
     bench : callable, optional
         Makes the model with effects; by default the campaign's.
+    unknowns : Unknowns, optional
+        What is fitted; by default all that the records can feel, with that scatter.
 
     Attributes
     ----------
+    wander : float
+        By how much scores of the same explanation may differ.
     effects, stood : tuple of Effect, tuple of ndarray
         Where it was prepared last: under which effects, and at which outer unknowns and inner ones that predictions hold.
     columns : tuple of ndarray, shapes (n, i)
@@ -78,6 +83,7 @@ class Problem:
     rise: tuple[Array, ...]
     linear: Marginal
     whole: Marginal
+    wander: float = WANDER
 
     def __init__(
         self,
@@ -86,10 +92,11 @@ class Problem:
         noises: tuple[Noise, ...],
         scatter: Scatter | None = None,
         bench: BenchOf | None = None,
+        unknowns: Unknowns | None = None,
     ) -> None:
         self.campaign, self.records, self.noises = campaign, records, noises
         self.bench: BenchOf = bench or (lambda effects: bench_of(campaign, effects))
-        self.unknowns = unknowns_of(campaign, records, scatter or Scatter(), self.bench(()).errors)
+        self.unknowns = unknowns or unknowns_of(campaign, records, scatter or Scatter(), self.bench(()).errors)
         self.nuisances = self.unknowns.nuisances
         self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
         self.memory = np.ones(len(records))
@@ -99,7 +106,7 @@ class Problem:
     @property
     def detected(self) -> float:
         """Least gain that counts."""
-        return max(DETECTED, IMITATED * float(self.counts.sum()))
+        return max(self.wander, IMITATED * float(self.counts.sum()))
 
     @property
     def outer(self) -> int:
@@ -150,6 +157,9 @@ class Problem:
 
     def remember(self, fit: Fit) -> None:
         """Take over how many rows the errors of the model stay alike from what a fit leaves; a gear off the rig has none but its shape."""
+        if self.unknowns.scatter.common:
+            # Rows of a mean stand in no order.
+            return
         rows = zip(self.records, self.linear.rows, strict=True)
         self.memory = np.array([1.0 if record.quantity.of_gear else memory_of(fit.white[part]) for record, part in rows])
 

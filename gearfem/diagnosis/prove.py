@@ -5,14 +5,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from gearfem.assembly import assemble
-from gearfem.definition.calibration import Calibration
-from gearfem.definition.setup import Setup
-from gearfem.diagnosis.bench import Settings, neutral
+from gearfem.diagnosis.bench import neutral
+from gearfem.diagnosis.calibrate import calibrated
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.largest import at_peaks, expected
@@ -22,11 +19,9 @@ from gearfem.diagnosis.roles import Role
 from gearfem.diagnosis.smooth import Smooth, fit_smooth
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import tooth_columns
-from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.sensing import Request, System, observe, requests
-from gearfem.variants import VARIANTS
 
 # Blocks into which a record is cut to see how much what is left differs along it.
 BLOCKS = 10
@@ -167,42 +162,6 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
             )
         )
     return _judged(tuple(gaps), bool(fit.effects))
-
-
-def calibrated(setup: Setup, settings: Settings, effects: tuple[Effect, ...] = ()) -> System:
-    """Return a model with nuisances in its calibration: from here on nothing knows that they were fitted.
-
-    Parameters
-    ----------
-    setup : Setup
-        The model as its owner believes it.
-    settings : Settings
-        What was fitted; on top of a calibration that the model has.
-    effects : tuple of Effect
-        Named effects.
-    """
-    return assemble(dataclasses.replace(setup, calibration=calibration_of(setup.calibration, settings)), effects)
-
-
-def calibration_of(known: Calibration, settings: Settings) -> Calibration:
-    """Return a calibration with settings on top of it: scales multiplied, angles and index errors added, constants as they were."""
-    moved = zip(VARIANTS, settings.errors, strict=False)
-    errors: dict[str, Any] = {variant.name: variant.both(getattr(known, variant.name), variant.value(far)) for variant, far in moved}
-    return dataclasses.replace(
-        known,
-        **errors,
-        stiffness_scale=known.stiffness_scale * settings.stiffness_scale,
-        torque_scale=known.torque_scale * settings.torque_scale,
-        inertia_scale=known.inertia_scale * settings.inertia_scale,
-        damping_scale=known.damping_scale * settings.damping_scale,
-        gain=known.gain * settings.gain,
-        series_compliance=known.series_compliance + settings.series_compliance,
-        coupling_scale=known.coupling_scale * settings.coupling_scale,
-        tip_edge_scale=known.tip_edge_scale * settings.tip_edge_scale,
-        angle_offset=known.angle_offset + settings.angle_offset,
-        pinion_late=known.pinion_late + settings.pinion_late if known.pinion_late.size else settings.pinion_late,
-        wheel_late=known.wheel_late + settings.wheel_late if known.wheel_late.size else settings.wheel_late,
-    )
 
 
 def _left(record: Measurement, system: System) -> tuple[Array, float, int]:

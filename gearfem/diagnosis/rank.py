@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import copy
 import dataclasses
 from collections.abc import Mapping
 
@@ -12,11 +11,10 @@ import numpy as np
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.approach import LOST, unwound
 from gearfem.diagnosis.candidate import Candidate, View, candidate_of, scored, view_of
-from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.ringing import rung
-from gearfem.diagnosis.search import FAR
 from gearfem.diagnosis.shapes import bounded, shapes_of, spread_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.turning import turned, turns
@@ -28,14 +26,8 @@ from gearfem.foundation.progress import Progress, quiet
 REFINED, WORTH = 2, 5.0
 # Shapes of an effect that are looked at in motion too.
 LIKELIEST = 2
-# Part of a response that nuisances leave of an effect below which only fits tell what it is worth beside others, once nuisances stray.
-VEILED = 0.05
-# Rounds of such a fit.
-UNVEILED = 4
-# Times that a fit of a resonance is prepared anew where motions keep a gap.
-ANEW = 3
 # Places from which such an effect is fitted: those that leave least as they stand.
-MET = 8
+MET = 3
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
 
@@ -86,9 +78,7 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
     whole = [c for c in candidates if not hasattr(c.effect, "tooth")]
     likely = sorted(whole, key=lambda c: -scored(c.effect, c.signature, freed, setup, c.unknown).gain)
     named = {(type(effect), effect.member) for effect in base.effects}
-    strayed = len(base.effects) == 1 and problem.strayed(base.point.unknown).any()
-    veiled = [c for c in likely[LOOKED_AT:] if c.share < VEILED] if strayed else []
-    others = {kind: None for c in (*likely[:LOOKED_AT], *veiled) if (kind := (type(c.effect), c.effect.member)) not in named}
+    others = {kind: None for c in likely[:LOOKED_AT] if (kind := (type(c.effect), c.effect.member)) not in named}
     return _ranked(problem, base, [*teeth, *others], progress, "candidates beside what is found")
 
 
@@ -117,7 +107,7 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
     """Return the effect at the shape, and then the strength, that explain most."""
     setup = view.problem.campaign.setup
     likely = _waves(view, start) if turns(start) else _likeliest(slow, start) if slow is not None else []
-    if not likely and _lost(view):
+    if not likely and any(record.quantity.moving for record in view.problem.records):
         return _fitted(view, start)
     likely = likely or [(effect, None) for effect in shapes_of(start, setup)]
     candidates = [candidate_of(view, effect, unknown) for effect, unknown in likely]
@@ -133,53 +123,27 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
         if other is None or other.gain <= best.gain:
             break
         best = other
-    if len(view.base.effects) == 1 and best.share < VEILED and view.problem.strayed(view.base.point.unknown).any():
-        # What nuisances do in its place shows where they stand as the model has them.
-        problem, neutral = view.problem, view.problem.unknowns.neutral(view.base.point.unknown)
-        fits = _fits(problem, [((*view.base.effects, best.effect), neutral)], UNVEILED, False, view.base.objective)
-        return max([best, *_candidates(view, fits)], key=lambda candidate: candidate.gain)
     return best
 
 
 def _fitted(view: View, start: Effect) -> Candidate | None:
-    """Return an effect as fits from several places find it: one that cannot be scaled, or that changes motions which are far off anyway."""
+    """Return an effect as fits from several places find it: one that cannot be scaled, or that motions alone feel."""
     problem, base = view.problem, view.base
     if not any(record.quantity.moving for record in problem.records):
         return None
-    lost = _lost(view)
-    if stands(start):
-        starts = []
-        for unknown in (None, *_elsewhere(view, start)):
-            with contextlib.suppress(InputError, SolveError):
-                one = view if unknown is None else _moved(view, unknown)
-                starts += [((*base.effects, effect), one.base.point.unknown) for effect in rung(one, start)]
-    else:
-        starts = [
-            ((*base.effects, effect), place)
-            for effect in spread_of(start, problem.campaign.setup)
-            for place in (_elsewhere(view, effect) or [base.point.unknown])
-        ]
-        if len(starts) > MET:
-            starts = sorted(starts, key=lambda one: problem.left_at(*one))[:MET]
-    found = _fits(problem, starts, 2, lost, base.objective)
-    ahead = sorted(found, key=lambda fit: fit.objective)[:2]
-    fits = _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, lost, base.objective)
-    candidates = _candidates(view, fits + (_rung_anew(view, start) if stands(start) else []))
-    return max(candidates, key=lambda candidate: candidate.gain, default=None)
-
-
-def _rung_anew(view: View, start: Effect) -> list[Fit]:
-    """Return fits of a resonance from a few frequencies, prepared anew on their way, where motions keep a gap.
-
-    Nuisances that have done its work hide it from `rung`, and from fits with the columns of where these stand.
-    """
-    problem, base, found = view.problem, view.base, []
-    if _of_motions(view) < FAR:
-        return []
-    for effect in shapes_of(start, problem.campaign.setup):
+    starts: list[tuple[tuple[Effect, ...], Array]] = []
+    for unknown in (base.point.unknown, *_elsewhere(view, start)):
         with contextlib.suppress(InputError, SolveError):
-            found.append(again(copy.copy(problem), (*base.effects, effect), base.point.unknown, ANEW))
-    return found
+            if stands(start):
+                one = view if unknown is base.point.unknown else _moved(view, unknown)
+                starts += [((*base.effects, effect), unknown) for effect in rung(one, start)]
+            else:
+                starts += [((*base.effects, effect), unknown) for effect in spread_of(start, problem.campaign.setup)]
+    starts = sorted(starts, key=lambda one: problem.left_at(*one))[:MET]
+    found = _fits(problem, starts, 2, base.objective)
+    ahead = sorted(found, key=lambda fit: fit.objective)[:1]
+    fits = _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, base.objective)
+    return max(_candidates(view, fits), key=lambda candidate: candidate.gain, default=None)
 
 
 def _moved(view: View, unknown: Array) -> View:
@@ -199,24 +163,11 @@ def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:
     return found
 
 
-def _lost(view: View) -> bool:
-    """Return whether a fit leaves so much of motions that what is linear about it says little."""
-    return _of_motions(view) > LOST
-
-
-def _of_motions(view: View) -> float:
-    """Return the most that a fit leaves of a motion, over what can be expected; 0 without motions."""
-    moving = np.array([record.quantity.moving for record in view.problem.records])
-    return float((view.base.squares / view.problem.floor)[moving].max(initial=0.0))
-
-
-def _fits(
-    problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, fresh: bool, hopeless: float = np.inf
-) -> list[Fit]:
+def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, hopeless: float = np.inf) -> list[Fit]:
     found = []
     for effects, unknown in starts:
         with contextlib.suppress(InputError, SolveError):
-            found.append(problem.fit(effects, unknown, rounds, hopeless, fresh))
+            found.append(problem.fit(effects, unknown, rounds, hopeless))
     return found
 
 
@@ -235,9 +186,7 @@ def _likeliest(slow: View, start: Effect) -> list[tuple[Effect, Array | None]]:
         return []
     for effect in shapes_of(start, slow.problem.campaign.setup):
         here = candidate_of(slow, effect)
-        if here is not None:
-            others = (candidate_of(slow, effect, unknown) for unknown in _elsewhere(slow, effect))
-            found += [here, *(other for other in others if other is not None)]
+        found += [here] if here is not None else []
     found.sort(key=lambda candidate: -candidate.gain)
     return [(candidate.effect, candidate.unknown) for candidate in found[:LIKELIEST]]
 

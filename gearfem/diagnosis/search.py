@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.stats import median_abs_deviation
 
-from gearfem.diagnosis.approach import LOST, approached, unwound
+from gearfem.diagnosis.approach import LOST, unwound
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import faint, overdone
@@ -26,8 +26,8 @@ PARAMETER = 8.0
 # A further name must gain this share of what the first ones did where it acts as one of them does: less is the difference between their
 # shapes and the real ones, which other effects do not imitate as well.
 FURTHER, FURTHER_OTHER = 0.05, 0.01
-# What it must gain at least: fits of the same effects end up to so far apart, by where they begin.
-FURTHER_LEAST = 100.0
+# What it must gain at least, in parts of what scores of the same explanation differ by.
+FURTHER_LEAST = 2.5
 # An effect is named from twice the strength on at which errors of our model imitate it.
 MIMICKED = 0.5
 # Most effects of an explanation.
@@ -93,28 +93,38 @@ class Search:
         return min(starts, key=lambda unknown: self.problem.left_at(effects, unknown))
 
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
-        """Fit explanations again, see `again`; those that stay far off or stray once more, from elsewhere.
+        """Fit explanations again, see `again`; those that stay far off or stray, from nuisances as the model has them too.
 
-        The place that a fit descends into goes by where it began. Nuisances alone, and the best with effects, begin as slow records have
-        them, see `approached`; others that stray with effects as they stand and nuisances as the model has them.
+        The place that a fit descends into goes by where it began.
         """
-        first = min((fit for fit in fits if fit.effects), key=self.score, default=None)
 
         def one(fit: Fit) -> Fit:
             found, neutral = fit, self.problem.unknowns.neutral(fit.point.unknown)
             try:
                 found = again(copy.copy(self.problem), fit.effects, fit.point.stood)
-                stayed = stays(self.problem, found)
-                if stayed and ((found.squares / self.problem.floor).max() < FAR or (fit.effects and fit is not first)):
+                if stays(self.problem, found) and (found.squares / self.problem.floor).max() < FAR:
                     return found
-                start = fit.effects, neutral
-                if not fit.effects or fit is first:
-                    start = approached(self.problem, self.problem.settings(neutral), fit.effects)
-                return min(found, again(copy.copy(self.problem), *start), key=self.score)
+                return min(found, again(copy.copy(self.problem), fit.effects, neutral), key=self.score)
             except (InputError, SolveError):
                 return found
 
         self._renew(one, fits, progress, words)
+
+    def settle_from(self, starts: Sequence[tuple[tuple[Effect, ...], Array]], progress: Progress, words: str) -> None:
+        """Fit explanations that begin far from the nuisances alone, each prepared where it begins; the better one of a kind stays."""
+
+        def one(start: tuple[tuple[Effect, ...], Array]) -> Fit | None:
+            try:
+                return again(copy.copy(self.problem), *start)
+            except (InputError, SolveError):
+                return None
+
+        for number, found in enumerate(side_by_side(one, starts)):
+            progress(words, number, len(starts))
+            if found is not None:
+                key = label(found.effects)
+                self.fits[key] = min(self.fits.get(key, found), found, key=self.score)
+        progress(words, max(len(starts), 1), max(len(starts), 1))
 
     def abreast(self, progress: Progress) -> None:
         """Fit all explanations beside the best again from where that stands, so that none wins by where it began."""
@@ -176,7 +186,8 @@ class Search:
         """Return the fit of the best score that may be named; effects beside the first pay for themselves too."""
         least = min(fit.objective for fit in self.fits.values())
         like, other = (
-            max(FURTHER_LEAST, self.problem.detected, share * (self.alone.objective - least)) for share in (FURTHER, FURTHER_OTHER)
+            max(FURTHER_LEAST * self.problem.wander, self.problem.detected, share * (self.alone.objective - least))
+            for share in (FURTHER, FURTHER_OTHER)
         )
 
         def price(fit: Fit) -> float:
@@ -201,6 +212,9 @@ class Search:
         for effect, deviations in zip(fit.effects, fit.deviations, strict=True):
             if faint(effect, deviations, setup):
                 return f"{effect.describe()}: too weak against its own doubt, so that the fit gains by something else"
+        if self.problem.unknowns.scatter.common:
+            # Of means the fit itself knows errors of the model and their size: what is not faint has been told from them.
+            return ""
         if fit not in self._mimicked:
             self._mimicked[fit] = mimicked(self.problem, fit)
         for effect, share in zip(fit.effects, self._mimicked[fit], strict=True):
@@ -222,6 +236,8 @@ def uneven(problem: Problem, fit: Fit) -> Array:
     """
     found = np.zeros((2, 2))
     late = fit.point.unknown[problem.unknowns.late]
+    if not late.size:
+        return found
     for gear, own in enumerate(np.split(late, [problem.campaign.setup.pair.pinion.teeth])):
         waves = waves_of(own)
         amplitude = math.sqrt(2.0 / own.size) * np.abs(np.fft.rfft(waves)).max()

@@ -12,8 +12,9 @@ from gearfem.effects.effect import Effect, Parameter
 
 # Further strengths at which an effect of all teeth is tried, as multiples of the typical one: on flanks, and elsewhere.
 DEEP, WIDE = (0.25, 4.0, 16.0), (0.4, 2.5, 6.0)
-# Multiples of its typical value at which either of two strengths is tried, for the resonances that they make together.
-EITHER = (0.0, *np.geomspace(0.3, 3.3, 8).tolist())
+# Multiples of its typical value at which either of two strengths is tried, for the resonances that they make together; and multiples of
+# the model's at which a value in its place is, since a play decides which of two motions a pair takes.
+EITHER, INSTEAD = (0.0, *np.geomspace(0.3, 3.3, 8).tolist()), np.geomspace(0.25, 4.0, 24)
 # Natural frequencies between which a resonance is tried [Hz].
 FREQUENCIES = 200.0, 10000.0
 
@@ -49,11 +50,14 @@ def shapes_of(effect: Effect, setup: Setup) -> list[Effect]:
 
 
 def spread_of(effect: Effect, setup: Setup) -> list[Effect]:
-    """Return the shapes of an effect; where it has two strengths beside the flanks, with each at sizes of its own.
+    """Return the shapes of an effect that motions alone feel; where it has two strengths, with each at sizes of its own.
 
-    Resonances that they make together are met only from nearby, like those of nuisances (`gearfem.diagnosis.approach.tuned`).
+    Resonances that they make together are met only from nearby, like those of nuisances (`gearfem.diagnosis.approach.tuned`), and so is
+    what stands in the place of a value of the model.
     """
     strengths = effect.strengths()
+    if effect.replaces and len(strengths) == 1 and (rest := effect.parameters()[strengths[0]].at_rest(setup, effect.member)) > 0.0:
+        return [bounded(dataclasses.replace(effect, **{strengths[0]: rest * factor}), setup) for factor in INSTEAD.tolist()]
     if len(strengths) != 2 or effect.stage == "flank":
         return shapes_of(effect, setup)
     sizes = itertools.product(EITHER, repeat=2)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Mapping
 from types import ModuleType
 
 import numpy as np
@@ -35,17 +36,37 @@ class Scatter(Record):
         Standard deviation of a flank about its own mean [m].
     terms : int
         Legendre polynomials over the path of contact that describe the waviness of one flank, from the first degree up.
+    rest : mapping of str to ndarray, shapes (n, r), optional
+        For means over the pitches: what single teeth still do to each record, by its file [SI], at one deviation each. Index errors
+        then stand still, and of either gear the mean tooth is described.
     """
 
     index: float = 1.0 * UM
     waviness: float = 0.2 * UM
     terms: int = 5
+    rest: Mapping[str, Array] | None = None
+
+    @property
+    def common(self) -> bool:
+        """Whether the mean tooth of either gear is described, and no single ones."""
+        return self.rest is not None
+
+    @property
+    def left(self) -> int:
+        """Number of columns that say what single teeth still do to means."""
+        return next(iter(self.rest.values())).shape[1] if self.rest else 0
+
+    def counts(self, pair: GearPair) -> tuple[int, int]:
+        """Return how many teeth of either gear are described."""
+        return (1, 1) if self.common else (pair.pinion.teeth, pair.wheel.teeth)
+
+    def shapes(self) -> Array:
+        """Return the share of each polynomial in a form that is equally likely in all of them, shape (terms,)."""
+        return np.asarray(np.sqrt((2.0 * np.arange(1, self.terms + 1) + 1.0) / max(self.terms, 1)))
 
     def deviations(self, pair: GearPair) -> Array:
         """Return the prior standard deviation of every column [m], shape ((z1 + z2) (terms + 1),)."""
-        degrees = np.arange(1, self.terms + 1)
-        wavy = self.waviness * np.sqrt((2.0 * degrees + 1.0) / self.terms)
-        return np.tile(np.concatenate([[self.index], wavy]), pair.pinion.teeth + pair.wheel.teeth)
+        return np.tile(np.concatenate([[self.index], self.waviness * self.shapes()]), sum(self.counts(pair)))
 
 
 def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter: Scatter) -> Array:
@@ -65,7 +86,8 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     Returns
     -------
     ndarray, shape (n, (z1 + z2) (terms + 1))
-        Tooth by tooth, the pinion's first; of each tooth the index error, then the terms of its waviness.
+        Tooth by tooth, the pinion's first; of each tooth the index error, then the terms of its waviness. Of the mean tooth of either gear
+        alone where the scatter describes no others.
 
     Notes
     -----
@@ -77,14 +99,16 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
         angle = record.axis + settings.angle_offset
         weights = bench.weights(angle, record.pinion_torque, settings)
         shapes = _shapes(weights, angle, pair, scatter.terms)
-        return _as_read(_slow(weights, shapes, pair, range(pair.pinion.teeth + pair.wheel.teeth)), gain, scatter)
+        return _as_read(_slow(weights, shapes, scatter.counts(pair), range(sum(scatter.counts(pair)))), gain, scatter)
     if name in ("dynamic_transmission_error", "pinion_angular_acceleration"):
-        return _as_read(_at_speed(record, bench, settings, scatter.terms), gain, scatter)
-    out = np.zeros((len(record.axis), pair.pinion.teeth + pair.wheel.teeth, scatter.terms + 1))
-    first = pair.pinion.teeth if record.gear == "wheel" else 0
+        return _as_read(_at_speed(record, bench, settings, scatter), gain, scatter)
+    counts = scatter.counts(pair)
+    out = np.zeros((len(record.axis), sum(counts), scatter.terms + 1))
+    first = counts[0] if record.gear == "wheel" else 0
     if name == "flank_profile":
         assert record.tooth is not None
-        out[:, first + record.tooth, 1:] = _polynomials(_path_of_roll(record, pair), pair, scatter.terms)[:, 1:]
+        tooth = 0 if scatter.common else record.tooth
+        out[:, first + tooth, 1:] = _polynomials(_path_of_roll(record, pair), pair, scatter.terms)[:, 1:]
     if name == "pitch_deviation":
         teeth = pair.wheel.teeth if record.gear == "wheel" else pair.pinion.teeth
         out[np.arange(len(record.axis)), first + record.axis.astype(int) % teeth, 0] = 1.0
@@ -121,11 +145,10 @@ def _path_of_roll(record: Measurement, pair: GearPair) -> Array:
     return sign * (record.axis - gear.base_radius * math.tan(pair.working_pressure_angle))
 
 
-def _slow(weights: Weights, shapes: Array, pair: GearPair, teeth: range) -> Array:
-    """Return the weights of some teeth times the shapes (n, p, s) of all pairs; shape (n, t s)."""
-    z1, z2 = pair.pinion.teeth, pair.wheel.teeth
+def _slow(weights: Weights, shapes: Array, counts: tuple[int, int], teeth: range) -> Array:
+    """Return the weights of some teeth, of so many of either gear, times the shapes (n, p, s) of all pairs; shape (n, t s)."""
     out = np.zeros((len(shapes), len(teeth), shapes.shape[2]))
-    _kernels().spread(weights.pairs, weights.pinion, weights.wheel, shapes, z1, z2, teeth.start, out)
+    _kernels().spread(weights.pairs, weights.pinion, weights.wheel, shapes, *counts, teeth.start, out)
     return out.reshape(len(shapes), -1)
 
 
@@ -135,7 +158,7 @@ def _shapes(weights: Weights, angle: Array, pair: GearPair, terms: int, derivati
     return _polynomials(path, pair, terms, derivative)
 
 
-def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int) -> Array:
+def _at_speed(record: Measurement, bench: Bench, settings: Settings, scatter: Scatter) -> Array:
     oscillator = bench.oscillator(record.pinion_torque, settings)
     speed = record.pinion_speed
     axis = record.axis - speed * bench.delay
@@ -149,13 +172,13 @@ def _at_speed(record: Measurement, bench: Bench, settings: Settings, terms: int)
     grid = axis[0] + step * np.arange(-before, math.ceil((axis[-1] - axis[0]) / step) + 2)
     angle = grid + settings.angle_offset
     swing = bench.swing(angle, record.pinion_torque, speed, settings)
-    shapes, slopes = (_shapes(swing.weights, angle, bench.pair, terms, derivative) for derivative in (0, 1))
+    shapes, slopes = (_shapes(swing.weights, angle, bench.pair, scatter.terms, derivative) for derivative in (0, 1))
     between = BSpline.design_matrix(axis, np.pad(grid, 1, mode="edge"), 1)
-    teeth, out = bench.pair.pinion.teeth + bench.pair.wheel.teeth, []
+    counts, out = scatter.counts(bench.pair), []
     # A few teeth at a time: what they do at all steps then stays near the processor.
-    for first in range(0, teeth, TOGETHER):
-        group = range(first, min(first + TOGETHER, teeth))
-        errors, rates = _slow(swing.weights, shapes, bench.pair, group), _slow(swing.shares, slopes, bench.pair, group)
+    for first in range(0, sum(counts), TOGETHER):
+        group = range(first, min(first + TOGETHER, sum(counts)))
+        errors, rates = _slow(swing.weights, shapes, counts, group), _slow(swing.shares, slopes, counts, group)
         moving = respond(errors, speed * rates, swing, step / speed, record.quantity.name == "pinion_angular_acceleration")
         out.append(between @ bench.read(moving, step / speed))
     return np.concatenate(out, axis=1)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.nuisances import BUILD, Nuisance, moved_settings, nuisances_of
 from gearfem.diagnosis.teeth import Scatter
@@ -39,6 +39,8 @@ class Unknowns(Record):
         Prior deviation of each unknown of the teeth [m]: of each tooth the index error, then its waviness.
     errors : tuple of Variant
         How the model may be wrong.
+    level : Settings
+        What holds where no unknown says otherwise; index errors add to its own.
     """
 
     pair: GearPair
@@ -47,6 +49,7 @@ class Unknowns(Record):
     scatter: Scatter
     teeth: Array
     errors: tuple[Variant, ...] = ()
+    level: Settings
 
     @property
     def outer(self) -> int:
@@ -65,8 +68,8 @@ class Unknowns(Record):
 
     @property
     def late(self) -> slice:
-        """Places of the index errors."""
-        return slice(self.first_tooth, self.first_form, self.scatter.terms + 1)
+        """Places of the index errors; none where they stand still."""
+        return slice(self.first_tooth, self.first_tooth if self.scatter.common else self.first_form, self.scatter.terms + 1)
 
     @property
     def wavy(self) -> NDArray[Any]:
@@ -104,16 +107,23 @@ class Unknowns(Record):
 
     def settings(self, unknown: Array) -> Settings:
         """Return the settings of unknowns, shape (k,)."""
-        index, z1 = unknown[self.late] * self.scatter.index, self.pair.pinion.teeth
-        bare = Settings(pinion_late=index[:z1], wheel_late=index[z1:], errors=tuple(self._errors(unknown).tolist()))
-        return moved_settings(bare, self.nuisances, unknown[: self.outer])
+        known, z1 = self.level, self.pair.pinion.teeth
+        if not self.scatter.common:
+            index = unknown[self.late] * self.scatter.index
+            known = dataclasses.replace(known, pinion_late=known.pinion_late + index[:z1], wheel_late=known.wheel_late + index[z1:])
+        if self.errors:
+            known = dataclasses.replace(known, errors=tuple(self._errors(unknown).tolist()))
+        return moved_settings(known, self.nuisances, unknown[: self.outer])
 
     def of(self, settings: Settings) -> Array:
         """Return the unknowns of settings up to errors of the model: all that is linear at 0, but for what predictions hold."""
         unknown = np.zeros(self.wrong.stop)
         unknown[: self.outer] = [nuisance.deviations(getattr(settings, nuisance.name)) for nuisance in self.nuisances]
-        unknown[self.late] = np.concatenate([settings.pinion_late, settings.wheel_late]) / self.scatter.index
-        unknown[self.first_form : self.first_form + len(settings.errors)] = settings.errors
+        if not self.scatter.common:
+            late = settings.pinion_late - self.level.pinion_late, settings.wheel_late - self.level.wheel_late
+            unknown[self.late] = np.concatenate(late) / self.scatter.index
+        if self.errors:
+            unknown[self.first_form : self.first_form + len(settings.errors)] = settings.errors
         return unknown
 
     @property
@@ -133,13 +143,25 @@ class Unknowns(Record):
         return FREE * float(unknown[self.outer + self.offsets.index(record)]) if record in self.offsets else 0.0
 
 
-def unknowns_of(campaign: Campaign, records: tuple[Measurement, ...], scatter: Scatter, errors: tuple[Variant, ...] = ()) -> Unknowns:
-    """Return the unknowns of records of a campaign, under a model that may be wrong in some ways."""
+def unknowns_of(
+    campaign: Campaign,
+    records: tuple[Measurement, ...],
+    scatter: Scatter,
+    errors: tuple[Variant, ...] = (),
+    nuisances: tuple[Nuisance, ...] | None = None,
+    level: Settings | None = None,
+) -> Unknowns:
+    """Return the unknowns of records of a campaign, under a model that may be wrong in some ways.
+
+    Nuisances are by default those that the records can feel, and the level is that of the model.
+    """
+    pair = campaign.setup.pair
     return Unknowns(
-        pair=campaign.setup.pair,
-        nuisances=nuisances_of(campaign, records),
+        pair=pair,
+        nuisances=nuisances_of(campaign, records) if nuisances is None else nuisances,
         offsets=tuple(i for i, record in enumerate(records) if record.quantity.free_constant),
         scatter=scatter,
-        teeth=scatter.deviations(campaign.setup.pair),
+        teeth=scatter.deviations(pair) if scatter.rest is None else np.ones(scatter.left),
         errors=errors,
+        level=level or neutral(pair),
     )

@@ -11,9 +11,10 @@ from gearfem.definition.calibration import Calibration
 from gearfem.definition.model_file import read_tables
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.calibrate import calibration_of
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.prove import Proof, calibration_of
+from gearfem.diagnosis.prove import Proof
 from gearfem.effects.effect import Effect
 from gearfem.foundation.toml import write_toml
 from gearfem.foundation.units import UM, factor

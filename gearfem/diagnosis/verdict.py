@@ -20,12 +20,12 @@ from gearfem.foundation import Array, Record
 
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
 
-# Explanations closer than this cannot be told apart: scores wander by up to 50 where derivatives are taken again. Shapes of real effects
-# differ from ours, by this share of what they explain.
-THRESHOLD, SHAPE = 40.0, 0.005
+# Explanations whose scores are closer than those of the same one may be cannot be told apart. Shapes of real effects differ from ours, by
+# this share of what they explain.
+SHAPE = 0.005
 # Wear, slope or relief of one gear and its mirror on the other differ in the transmission error by less than errors of our model; their
-# scores wander by so much.
-MIRRORED = 150.0
+# scores differ by so many times what those of the same explanation do.
+MIRRORED = 4.0
 # Share of the gap that names must close: less is no explanation, and more brings it to the noise.
 STANDS, CLOSED = 0.60, 0.90
 # What fits may leave, over what can be expected of them, before it counts as a gap.
@@ -108,11 +108,11 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     scores = {fit: search.score(fit) for fit in search.fits.values()}
     gained = scores[alone] - scores[best]
     closed = closure(alone, best, search.problem)
-    threshold = max(THRESHOLD, SHAPE * gained)
+    threshold = max(search.problem.wander, SHAPE * gained)
     ranked = sorted((fit for fit in scores if fit.effects), key=scores.__getitem__)
 
     def limit(fit: Fit) -> float:
-        return max(threshold, MIRRORED) if _mirrored(fit, best) else threshold
+        return max(threshold, MIRRORED * search.problem.wander) if _mirrored(fit, best) else threshold
 
     # Only those that come near are worth the question.
     barred = {fit: search.barred(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
@@ -222,6 +222,8 @@ def _within_reason(fit: Fit, problem: Problem) -> Array:
     white = fit.white
     if not np.array_equal(unknown, fit.point.unknown):
         white = problem.whiten(problem.left(problem.at(fit.effects, unknown)))
+    if unknowns.scatter.common:
+        return np.asarray(problem.squares(white) / problem.counts)
     gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
     stray = uneven(problem, fit)[1] > STRAYED
     back = np.concatenate([waves_of(late) * stray[number] for number, late in enumerate(gears)])

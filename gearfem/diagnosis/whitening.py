@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.foundation import Array, Record
+
+
+class Whitening(Protocol):
+    """Makes rows of variance 1 of the noise of one record."""
+
+    def apply(self, values: Array) -> Array:
+        """Return whitened residuals, shape (m,) of (n,), or whitened columns, (m, k) of (n, k)."""
+        ...
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

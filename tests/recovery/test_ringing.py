@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from gearfem.diagnosis.candidate import View
-from gearfem.diagnosis.rank import _rung_anew
 from gearfem.diagnosis.ringing import APART, rung
-from gearfem.diagnosis.search import FAR
 from gearfem.diagnosis.shapes import shapes_of
 from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_resonance import SensorResonance
@@ -39,16 +35,3 @@ def test_without_a_motion_over_the_angle_a_few_frequencies_are_tried(tmp_path: P
     shown = beside_nuisances(tmp_path, [], [SLOW])
     few = shapes_of(typical(shown), shown.problem.campaign.setup)
     assert [one.describe() for one in rung(shown, typical(shown))] == [one.describe() for one in few]
-
-
-def test_where_a_motion_keeps_a_gap_fits_prepared_anew_find_a_resonance_too(tmp_path: Path) -> None:
-    """Nuisances may have done its work where the fit stands, so that the scan shows nothing of it."""
-    shown = beside_nuisances(tmp_path, [{"name": "sensor_resonance", "frequency_Hz": 1700.0, "ratio": 0.08}], [SLOW, MOVING])
-    fits = _rung_anew(shown, typical(shown))
-    best = min(fits, key=lambda fit: fit.objective)
-    assert isinstance(best.effects[0], SensorResonance)
-    # A place to fit from, no nearer than that of a scan.
-    assert best.effects[0].frequency == pytest.approx(1700.0, rel=0.08, abs=0.0)
-    assert best.objective < shown.base.objective - shown.problem.detected
-    met = dataclasses.replace(shown.base, squares=np.array([1.0, 0.99 * FAR]) * shown.problem.floor)
-    assert _rung_anew(dataclasses.replace(shown, base=met), typical(shown)) == []

@@ -28,7 +28,7 @@ def test_errors_of_the_model_act_as_their_columns_say(small_pair: Setup, quantit
     speed = 0.8 * bench.oscillator(TORQUE, settings).frequency / small_pair.pair.pinion.teeth
     record = make_record(quantity, np.arange(600) / 600 * TURN, pinion_torque=TORQUE, pinion_speed=speed)
     here, teeth = bench.predict(record, settings), tooth_columns(record, bench, settings, scatter)
-    columns = model_form(record, bench, settings, here, teeth, scatter)
+    columns = model_form(record, bench, settings, here, teeth, scatter, bench.errors)
     for place, variant in enumerate(bench.errors):
         around = ((*stands[:place], stands[place] + way * SMALL, *stands[place + 1 :]) for way in (1.0, -1.0))
         ahead, behind = (bench.predict(record, dataclasses.replace(settings, errors=errors)) for errors in around)

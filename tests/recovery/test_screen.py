@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 
 from gearfem.diagnosis import choose, compare, rank, read_campaign
+from gearfem.diagnosis.averages import averaged
 from gearfem.diagnosis.comparison import Comparison
+from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.screen import in_place, screened
 from gearfem.diagnosis.straying import beyond, halves
-from gearfem.diagnosis.unveil import in_place, unveiled
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -60,17 +60,26 @@ def test_the_objective_holds_what_straying_costs(veiled: Comparison, monkeypatch
     assert with_cost - problem.at((), unknown).objective == pytest.approx(levels * detected, rel=1e-9, abs=1e-6)
 
 
+def _in_means(veiled: Comparison) -> tuple[Problem, Fit]:
+    mean = averaged(veiled.problem, veiled.alone.settings)
+    return mean, again(mean, (), mean.unknowns.of(veiled.alone.settings))
+
+
 def test_an_effect_whose_work_nuisances_do_is_found_where_they_stand_as_the_model_has_them(veiled: Comparison) -> None:
-    problem, alone = veiled.problem, veiled.alone
+    problem, alone = _in_means(veiled)
     astray = beyond(alone.point.unknown[problem.unknowns.wrong])
     assert [variant.name for variant, far in zip(VARIANTS, astray, strict=True) if far > 0.0] == ["body_scale"]
-    starts = unveiled(problem, alone, rank(problem, alone, KINDS), quiet)
-    bodies = [effect.scale for effects, _ in starts for effect in effects if isinstance(effect, BodyCompliance)]
-    # One does what the error does, in its place; the other is found without it.
+    candidates = rank(problem, alone, KINDS)
+    ((nearest,), _), *_ = screened(problem, alone, candidates, quiet)
+    assert isinstance(nearest, BodyCompliance)
+    assert nearest.scale == pytest.approx(SCALE, rel=0.1, abs=0.0)
+    # Another one does what the error does, in its place.
+    (((effect,), unknown),) = in_place(problem, alone.point.unknown, candidates)
     error = float(alone.point.unknown[problem.unknowns.wrong][1])
-    assert bodies == pytest.approx([1.2**error, SCALE], rel=0.1)
-    assert starts[0][1][problem.unknowns.wrong].tolist()[1] == 0.0
-    assert np.count_nonzero(starts[0][1] != alone.point.unknown) == 1
+    assert isinstance(effect, BodyCompliance)
+    assert effect.scale == pytest.approx(1.2**error, rel=1e-9, abs=0.0)
+    assert unknown[problem.unknowns.wrong].tolist()[1] == 0.0
+    assert np.count_nonzero(unknown != alone.point.unknown) == 1
 
 
 def test_effects_in_the_place_of_what_strays_do_the_same(veiled: Comparison) -> None:
@@ -86,7 +95,6 @@ def test_effects_in_the_place_of_what_strays_do_the_same(veiled: Comparison) -> 
             np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * np.abs(other).max())
 
 
-def test_nothing_is_looked_for_where_no_nuisance_strays(veiled: Comparison) -> None:
-    problem, alone = veiled.problem, veiled.alone
-    sound = dataclasses.replace(alone, point=dataclasses.replace(alone.point, unknown=problem.unknowns.neutral(alone.point.unknown)))
-    assert unveiled(problem, sound, (), quiet) == []
+def test_effects_that_slow_records_do_not_feel_are_not_screened(veiled: Comparison) -> None:
+    problem, alone = _in_means(veiled)
+    assert screened(problem, alone, (), quiet) == []

@@ -1,0 +1,201 @@
+"""What all pitches of a record share, and what is left for single teeth: one campaign as two problems.
+
+An effect that all teeth have shows in the mean over the pitches, in which index errors and waviness of single teeth, ten times as large
+as what is looked for, have averaged out; an effect of one tooth, or of a turn, shows in what differs from pitch to pitch.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from scipy.linalg import orth
+
+from gearfem.diagnosis.bench import Settings, neutral
+from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.noise import Noise
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.system_bench import SystemBench
+from gearfem.diagnosis.teeth import Scatter, tooth_columns
+from gearfem.diagnosis.unknowns import unknowns_of
+from gearfem.diagnosis.whitening import Whitening
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, Record
+
+# Places of the pitch between which a mean over pitches runs in straight lines.
+PLACES = 48
+# Part of a mean that a model may miss though nothing is missing from it: of slow records, of motions, of a mesh stiffness and of the
+# largest Kw of a turn, which waviness raises. Healthy pairs of another simulator leave slow means within noise, and 0.5 to 3 % of motions.
+SLOW, MOVING, JUMPING, LARGEST = 0.003, 0.02, 0.10, 0.25
+# Times that index errors and waviness are fitted anew: they are all but linear.
+TIMES = 3
+# What index errors may be off where they stand still [m], and the least that single teeth do to a mean, in deviations of its noise.
+INDEX, LEAST = 0.1e-6, 0.1
+# By how much scores of the same explanation differ by where its fit began, and what a name must gain: with some sixty effects, gears and
+# shapes tried, chance gains 8 beyond what parameters cost in one campaign of three.
+WANDER = 16.0
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Average(Record):
+    """Takes the mean over the pitches of a record, as a whitener does: rows of variance 1, if what goes in is noise.
+
+    Parameters
+    ----------
+    inner : Whitening
+        Of the single rows.
+    basis : ndarray, shape (m, p)
+        Orthonormal basis of whitened series that repeat with the pitch.
+    """
+
+    inner: Whitening
+    basis: Array
+
+    def apply(self, values: Array) -> Array:
+        """Return the mean of series in the rows of the record, shapes (n,) or (n, k): shapes (p,) or (p, k)."""
+        return np.asarray(self.basis.T @ self.inner.apply(values))
+
+
+def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] = ()) -> Problem:
+    """Return the means over the pitches of all records as a problem, index errors as settings have them; not prepared.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of the records row by row.
+    settings : Settings
+        Whose index errors stand, and where the gears stand otherwise.
+    effects : tuple of Effect
+        Effects of single teeth that are known.
+
+    Returns
+    -------
+    Problem
+        Records over the teeth of a gear, which hold nothing that all teeth share, are left out.
+
+    Notes
+    -----
+    A projection: of all whitened rows, those combinations that repeat with the pitch, as lines between 48 places of it. What single teeth
+    still do to them, load being shared otherwise at every pitch, is held by the strongest combinations of their waviness, as they act where
+    the settings stand, and of what index errors may be off. What a mean misses of the model is none of the errors that differ from tooth
+    to tooth, and so far smaller: see `SLOW` and its neighbours.
+    """
+    campaign = problem.campaign
+    kept = [i for i, record in enumerate(problem.records) if record.quantity.axis != "tooth"]
+    records = tuple(problem.records[i] for i in kept)
+    noises = tuple(_mean(record, problem.noises[i], campaign) for record, i in zip(records, kept, strict=True))
+
+    def bench(further: tuple[Effect, ...]) -> SystemBench:
+        return problem.bench((*effects, *further))
+
+    scatter = problem.unknowns.scatter
+    scatter = dataclasses.replace(scatter, rest=_rest(records, noises, bench(()), settings, scatter))
+    level = dataclasses.replace(neutral(campaign.setup.pair), pinion_late=settings.pinion_late, wheel_late=settings.wheel_late)
+    unknowns = unknowns_of(campaign, records, scatter, problem.unknowns.errors, level=level)
+    found = Problem(campaign, records, noises, bench=bench, unknowns=unknowns)
+    found.wander = WANDER
+    found.counts = np.array([float(len(noise.whitener.apply(record.value))) for record, noise in zip(records, noises, strict=True)])
+    found.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
+    return found
+
+
+def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect, ...], whole: bool = True) -> Problem:
+    """Return the records row by row as a problem of single teeth alone, under effects and nuisances that stand; not prepared.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of the records row by row.
+    settings : Settings
+        Scales, zero of the angle and errors of the model that stand; index errors are fitted anew.
+    effects : tuple of Effect
+        Effects of all teeth that stand.
+    whole : bool
+        Whether the largest Kw of turns are among the records, which say little of single teeth and cost more than all others.
+    """
+    even = neutral(problem.campaign.setup.pair)
+    level = dataclasses.replace(settings, pinion_late=even.pinion_late, wheel_late=even.wheel_late)
+    kept = [i for i, record in enumerate(problem.records) if whole or record.quantity.axis != "speed"]
+    records, noises = tuple(problem.records[i] for i in kept), tuple(problem.noises[i] for i in kept)
+
+    def bench(further: tuple[Effect, ...]) -> SystemBench:
+        return problem.bench((*effects, *further))
+
+    unknowns = unknowns_of(problem.campaign, records, problem.unknowns.scatter, (), (), level)
+    return Problem(problem.campaign, records, noises, bench=bench, unknowns=unknowns)
+
+
+def stand(problem: Problem, fit: Fit, teeth: Problem, single: Fit) -> Fit:
+    """Return one fit of the records row by row from the fit of the means over the pitches and that of single teeth.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of the records row by row; it is prepared where the fit stands.
+    fit : Fit
+        Of the means: nuisances, errors of the model and effects of all teeth.
+    teeth, single : Problem, Fit
+        From `of_single_teeth` under it: constants, index errors, waviness and effects of single teeth.
+    """
+    effects, own, split = (*fit.effects, *single.effects), single.point.unknown, teeth.unknowns.first_form
+    settings = dataclasses.replace(fit.settings, pinion_late=single.settings.pinion_late, wheel_late=single.settings.wheel_late)
+    known = problem.unknowns.of(settings)
+    unknown = np.concatenate([known[: problem.outer], own[:split], known[problem.unknowns.wrong], own[split:]])
+    problem.prepare(effects, unknown)
+    point = dataclasses.replace(problem.at(effects, unknown, single.point.weights), unknown=unknown)
+    bound = (*fit.bound, *((number + len(fit.effects), field) for number, field in single.bound))
+    return dataclasses.replace(
+        single,
+        effects=effects,
+        deviations=(*fit.deviations, *single.deviations),
+        bound=bound,
+        objective=point.objective,
+        point=point,
+        settings=problem.settings(unknown),
+    )
+
+
+def teeth_under(problem: Problem, settings: Settings, effects: tuple[Effect, ...], whole: bool = True) -> tuple[Problem, Fit]:
+    """Return the problem of single teeth under settings and effects that stand, see `of_single_teeth`, and its fit without further ones."""
+    teeth = of_single_teeth(problem, settings, effects, whole)
+    fit = again(teeth, (), np.zeros(teeth.unknowns.wrong.stop), TIMES)
+    teeth.remember(fit)
+    return teeth, fit
+
+
+def _mean(record: Measurement, noise: Noise, campaign: Campaign) -> Noise:
+    """Return the noise of the mean of a record; that of the record itself where it is not over the angle."""
+    if record.quantity.axis != "angle":
+        return noise
+    place = record.axis / campaign.setup.pair.pinion.pitch_angle * PLACES
+    first = np.floor(place).astype(int)
+    share, rows = place - first, np.arange(len(place))
+    hats = np.zeros((len(place), PLACES))
+    hats[rows, first % PLACES] += 1.0 - share
+    hats[rows, (first + 1) % PLACES] += share
+    basis = orth(noise.whitener.apply(hats))
+    return dataclasses.replace(noise, whitener=Average(inner=noise.whitener, basis=basis))
+
+
+def _rest(
+    records: tuple[Measurement, ...], noises: tuple[Noise, ...], bench: SystemBench, settings: Settings, scatter: Scatter
+) -> dict[str, Array]:
+    """Return what single teeth still do to the means of records, by file [SI], shapes (n, r): strongest combinations, at one deviation."""
+    sizes = dataclasses.replace(scatter, index=INDEX).deviations(bench.pair)
+    columns = [tooth_columns(record, bench, settings, scatter) * sizes for record in records]
+    white = np.concatenate([noise.whitener.apply(part) for noise, part in zip(noises, columns, strict=True)])
+    _, strength, ways = np.linalg.svd(white, full_matrices=False)
+    ways = ways[strength > LEAST].T
+    return {record.file: part @ ways for record, part in zip(records, columns, strict=True)}
+
+
+def _floor(record: Measurement, noise: Noise) -> float:
+    """Return the least mean square of the rows of a mean that a model of finite accuracy can be expected to leave."""
+    name, quantity = record.quantity.name, record.quantity
+    if quantity.axis == "roll":
+        return 1.0
+    share = LARGEST if name == "dynamic_factor" else JUMPING if name == "mesh_stiffness" else MOVING if quantity.moving else SLOW
+    # The mean itself of a mesh stiffness or an acceleration says nothing of how far their course may be missed.
+    course = noise.whitener.apply(record.value - record.value[record.keep].mean())
+    return 1.0 + share**2 * float(np.mean(course**2))

@@ -1,0 +1,96 @@
+"""Effects whose work nuisances may have done, looked for with the nuisances as the model has them."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from gearfem.assembly import assemble
+from gearfem.diagnosis.approach import EDGES, part_of, tuned, unwound
+from gearfem.diagnosis.candidate import Candidate
+from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.nuisances import Nuisance
+from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.shapes import bounded, shapes_of, stands
+from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.straying import beyond
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation.progress import Progress
+from gearfem.variants import Variant
+
+# How many effects are worth a fit to all records, and times that the slow records are prepared anew for each.
+MOST, TIMES = 5, 3
+
+
+def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], progress: Progress) -> list[tuple[tuple[Effect, ...], Array]]:
+    """Return the single effects of all teeth that slow records alone call for, and nuisances to start from.
+
+    Parameters
+    ----------
+    problem, alone : Problem, Fit
+        Means over the pitches, and their nuisances: where these do the work of what is missing, nothing of it is left to see.
+    candidates : sequence of Candidate
+        Effects that the records feel.
+    progress : Progress
+        Told after each effect.
+
+    Returns
+    -------
+    list of (tuple of Effect, ndarray of shape (k,))
+        The best first, each fitted to the slow records together with all nuisances, from these as the model has them, and then tuned to the
+        motions.
+    """
+    slow = [i for i, record in enumerate(problem.records) if not record.quantity.moving]
+    whole = [c.effect for c in candidates if not hasattr(c.effect, "tooth") and not stands(c.effect) and c.effect.repeats == "every tooth"]
+    jobs = list({(type(effect), effect.member): effect for effect in whole}.values())
+    if not slow or not jobs:
+        return []
+    part, setup = part_of(problem, slow), problem.campaign.setup
+    level = problem.settings(problem.unknowns.neutral(alone.point.unknown))
+    neutral = part.unknowns.of(dataclasses.replace(level, coupling_scale=1.0, tip_edge_scale=EDGES[-1]))
+    part.prepare((), neutral)
+
+    def fitted(example: Effect) -> Fit | None:
+        tried = [((effect,), neutral) for effect in (example, *shapes_of(type(example).example(setup, example.member), setup))]
+        if part.left_at((), neutral) > part.wander + alone.objective:
+            tried += [(effects, zero) for effects, _ in tried for zero in unwound(part, effects, neutral)]
+        effects, unknown = min(tried, key=lambda start: part.left_at(*start))
+        try:
+            return again(copy.copy(part), effects, unknown, TIMES)
+        except (InputError, SolveError):
+            return None
+
+    found, words = [], "effects in the place of nuisances"
+    for number, fit in enumerate(side_by_side(fitted, jobs)):
+        progress(words, number, len(jobs))
+        found += [fit] if fit is not None else []
+    progress(words, len(jobs), len(jobs))
+    nearest = sorted(found, key=lambda fit: fit.objective)[:MOST]
+    return list(side_by_side(lambda fit: (fit.effects, _to_motions(problem, alone, fit)), nearest))
+
+
+def _to_motions(problem: Problem, alone: Fit, fit: Fit) -> Array:
+    """Return unknowns as a fit of slow records has them, tuned to the motions."""
+    known = dataclasses.replace(fit.settings, pinion_late=alone.settings.pinion_late, wheel_late=alone.settings.wheel_late)
+    here = copy.copy(problem)
+    try:
+        return tuned(here, here.prepare(fit.effects, problem.unknowns.of(known)), fit.effects)
+    except (InputError, SolveError):
+        return np.asarray(alone.point.stood)
+
+
+def in_place(problem: Problem, unknown: Array, candidates: Sequence[Candidate]) -> Iterator[tuple[tuple[Effect, ...], Array]]:
+    """Yield the candidate that would do what each scale or error of the model that strays does, and the unknowns (k,) without this."""
+    setup, unknowns, kinds = problem.campaign.setup, problem.unknowns, {type(candidate.effect) for candidate in candidates}
+    system, ways = assemble(setup), dict[int, Nuisance | Variant](enumerate(unknowns.errors, unknowns.wrong.start))
+    for place, way in ({place: unknowns.nuisances[place] for place in unknowns.scales} | ways).items():
+        if way.cause is None or not beyond(unknown[place]):
+            continue
+        effect, without = way.cause(system, way.value(float(unknown[place]))), unknown.copy()
+        without[place] = 0.0
+        if isinstance(effect, Effect) and type(effect) in kinds:
+            yield (bounded(effect, setup),), without

@@ -1,0 +1,109 @@
+"""Means over the pitches, single teeth beside them, and one verdict on both."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from gearfem.diagnosis import compare, read_campaign
+from gearfem.diagnosis.averages import PLACES, averaged, of_single_teeth, stand, teeth_under
+from gearfem.diagnosis.comparison import Comparison
+from gearfem.diagnosis.fit import again
+from gearfem.diagnosis.name import _verdict
+from gearfem.diagnosis.verdict import Verdict, gap_left
+from gearfem.effects.catalogue import catalogue
+from gearfem.effects.effect import Repeat
+from gearfem.foundation import Array
+
+from .rig import PLAN, on_the_rig
+
+LATE = {"pinion_index_error_um": [0.0] * 12 + [3.0], "wheel_index_error_um": [-2.0] + [0.0] * 16}
+
+
+@pytest.fixture(scope="module")
+def scattered(tmp_path_factory: pytest.TempPathFactory) -> Comparison:
+    """A healthy pair, one tooth of either gear out of place by three and two micrometres."""
+    records = [record | {"turns": 3.4} for record in PLAN["record"]]
+    return compare(read_campaign(on_the_rig(tmp_path_factory.mktemp("late"), {"calibration": LATE}, PLAN | {"record": records})))
+
+
+def _mean_of(comparison: Comparison, series: Array) -> float:
+    """Return the share of the square of a whitened series, of the first record, that its mean over the pitches keeps."""
+    problem = comparison.problem
+    mean = averaged(problem, comparison.alone.settings)
+    single, kept = (noises[0].whitener.apply(series) for noises in (problem.noises, mean.noises))
+    return float(kept @ kept / (single @ single))
+
+
+def test_the_mean_keeps_what_repeats_with_the_pitch_and_drops_what_does_not(scattered: Comparison) -> None:
+    pitches = scattered.problem.records[0].axis / scattered.campaign.setup.pair.pinion.pitch_angle
+    assert _mean_of(scattered, np.cos(2.0 * np.pi * pitches)) == pytest.approx(1.0, rel=1e-3, abs=0.0)
+    # Lines between 48 places miss a tenth harmonic by (pi k/48)^4/120 of its square or so.
+    assert _mean_of(scattered, np.cos(20.0 * np.pi * pitches)) > 0.98
+    assert _mean_of(scattered, np.cos(np.pi * pitches)) < 0.01
+    noise = np.random.default_rng(3).normal(size=pitches.size)
+    assert _mean_of(scattered, noise) == pytest.approx(PLACES / pitches.size, rel=0.5, abs=0.0)
+
+
+def test_means_of_a_healthy_pair_are_met_within_noise(scattered: Comparison) -> None:
+    mean = averaged(scattered.problem, scattered.alone.settings)
+    fit = again(mean, (), mean.unknowns.of(scattered.alone.settings))
+    assert gap_left(fit, mean) < 1.0
+    assert fit.squares.max() < 1.5
+    assert np.abs(fit.point.unknown[mean.unknowns.scales]).max() < 1.5
+
+
+def test_index_errors_stand_still_in_means_and_are_found_beside_them(scattered: Comparison) -> None:
+    problem, alone = scattered.problem, scattered.alone
+    mean = averaged(problem, alone.settings)
+    unknown = mean.unknowns.of(alone.settings)
+    assert mean.unknowns.settings(unknown).pinion_late == pytest.approx(alone.settings.pinion_late, rel=1e-12, abs=0.0)
+    teeth, single = teeth_under(problem, alone.settings, ())
+    assert teeth.outer == 0
+    assert np.argmax(single.settings.pinion_late) == 12
+    assert np.argmin(single.settings.wheel_late) == 0
+    late = single.settings.pinion_late - np.median(single.settings.pinion_late)
+    # The rig's own scatter of half a micrometre stands on top.
+    assert late[12] == pytest.approx(3.0e-6, rel=0.0, abs=1.5e-6)
+
+
+def test_one_fit_of_all_rows_stands_where_both_do(scattered: Comparison) -> None:
+    problem, settings = scattered.problem, dataclasses.replace(scattered.alone.settings, stiffness_scale=1.01, gain=1.005)
+    teeth, single = teeth_under(problem, settings, ())
+    mean = averaged(problem, settings)
+    whole = stand(problem, mean.fit((), mean.prepare((), mean.unknowns.of(settings)), rounds=0), teeth, single)
+    assert (whole.settings.stiffness_scale, whole.settings.gain) == pytest.approx((1.01, 1.005), rel=1e-9, abs=0.0)
+    assert whole.settings.pinion_late == pytest.approx(single.settings.pinion_late, rel=1e-9, abs=1e-15)
+    assert whole.squares == pytest.approx(single.squares, rel=0.0, abs=0.0)
+
+
+def test_single_teeth_need_no_largest_kw(scattered: Comparison) -> None:
+    problem = scattered.problem
+    assert of_single_teeth(problem, scattered.alone.settings, (), whole=False).records == problem.records
+
+
+@pytest.mark.parametrize(
+    ("means", "teeth", "verdict"),
+    [
+        ("no_discrepancy", "no_discrepancy", "no_discrepancy"),
+        ("unexplained", "no_discrepancy", "unexplained"),
+        ("no_discrepancy", "unexplained", "unexplained"),
+        ("explained", "no_discrepancy", "explained"),
+        ("no_discrepancy", "explained", "explained"),
+        ("explained", "explained", "explained"),
+        ("explained", "unexplained", "partly_explained"),
+        ("unexplained", "explained", "partly_explained"),
+        ("partly_explained", "explained", "partly_explained"),
+        ("explained", "ambiguous", "ambiguous"),
+        ("ambiguous", "unexplained", "ambiguous"),
+    ],
+)
+def test_the_verdict_is_that_on_means_and_on_single_teeth_together(means: Verdict, teeth: Verdict, verdict: Verdict) -> None:
+    assert _verdict(means, teeth) == verdict
+
+
+def test_every_effect_is_looked_for_in_one_of_both() -> None:
+    whole: set[Repeat] = {"every tooth", "not periodic"}
+    assert {kind.repeats for kind in catalogue().values()} - whole == {"one tooth", "once a turn"}
