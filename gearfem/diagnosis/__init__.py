@@ -1,8 +1,9 @@
 """Where model and measurement disagree, and which effect would close the gap: all in one, or step by step."""
 
+from gearfem.diagnosis.averages import averaged
 from gearfem.diagnosis.campaign import Campaign, Measurement, read_campaign
 from gearfem.diagnosis.compare import compare
-from gearfem.diagnosis.diagnose import Diagnosis, choose, diagnose, fit, settle
+from gearfem.diagnosis.diagnose import Diagnosis, choose, diagnose, fit
 from gearfem.diagnosis.faults import Fault
 from gearfem.diagnosis.localise import localise
 from gearfem.diagnosis.name import name
@@ -17,6 +18,7 @@ __all__ = [
     "Diagnosis",
     "Fault",
     "Measurement",
+    "averaged",
     "bench_of",
     "choose",
     "compare",
@@ -27,7 +29,6 @@ __all__ = [
     "prove",
     "rank",
     "read_campaign",
-    "settle",
     "suggest",
     "write_diagnosis",
 ]

@@ -57,6 +57,16 @@ class Average(Record):
         return np.asarray(self.basis.T @ self.inner.apply(values))
 
 
+def has_means(problem: Problem) -> bool:
+    """Return whether any record is over the pinion angle, so that it has a mean over the pitches."""
+    return any(record.quantity.axis == "angle" for record in problem.records)
+
+
+def shows_in_means(effect: Effect | type[Effect]) -> bool:
+    """Return whether an effect shows in means over the pitches; all others differ from pitch to pitch."""
+    return effect.repeats in ("every tooth", "not periodic")
+
+
 def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] = ()) -> Problem:
     """Return the means over the pitches of all records as a problem, index errors as settings have them; not prepared.
 

@@ -7,7 +7,7 @@ import dataclasses
 from functools import partial
 
 from gearfem.diagnosis.approach import LOST, at_rest, fit_from, part_of, tuned
-from gearfem.diagnosis.averages import averaged, stand, teeth_under
+from gearfem.diagnosis.averages import averaged, has_means, stand, teeth_under
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.comparison import Compared, Comparison, Shift
@@ -74,7 +74,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     problem.predict((), problem.unknowns.of(dataclasses.replace(level, errors=(1.0,) * len(problem.bench(()).errors))))
     progress("nuisances", 1, 4)
     level = dataclasses.replace(level, angle_offset=found.settings.angle_offset)
-    if any(record.quantity.axis == "angle" for record in records):
+    if has_means(problem):
         alone, shifts = _by_turns(problem, level, found.settings, progress)
     else:
         alone = again(problem, (), problem.unknowns.of(level))

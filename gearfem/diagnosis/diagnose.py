@@ -7,6 +7,9 @@ import dataclasses
 import difflib
 from collections.abc import Iterable, Mapping
 
+import numpy as np
+
+from gearfem.diagnosis.averages import averaged, has_means, of_single_teeth, shows_in_means, stand
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
@@ -151,29 +154,24 @@ def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude:
     return left
 
 
-def settle(problem: Problem, fit: Fit) -> Fit:
-    """Return a fit prepared anew where it ended until that gains little, see `again`.
-
-    Parameters
-    ----------
-    problem : Problem
-        Stays prepared as it is.
-    fit : Fit
-        Effects and nuisances as found with derivatives from elsewhere.
-    """
-    return again(copy.copy(problem), fit.effects, fit.point.unknown)
-
-
 def fit(problem: Problem, effects: Iterable[Effect], start: Fit) -> Fit:
-    """Fit given effects, whatever the ranking says of them.
+    """Fit given effects, whatever the ranking says of them: those of all teeth to the means over the pitches, others row by row.
 
     Parameters
     ----------
     problem : Problem
-        From `compare`.
+        From `compare`; stays prepared as it is.
     effects : iterable of Effect
         With the values to begin from; gears and teeth stay.
     start : Fit
         Whose nuisances the fit begins with: nuisances alone, or an earlier fit.
     """
-    return problem.fit(tuple(effects), start.point.unknown)
+    chosen = tuple(effects)
+    if not has_means(problem):
+        return again(copy.copy(problem), chosen, start.point.unknown)
+    whole, single = (tuple(e for e in chosen if shows_in_means(e) == both) for both in (True, False))
+    mean = averaged(problem, start.settings, single)
+    fitted = again(mean, whole, mean.unknowns.of(start.settings))
+    teeth = of_single_teeth(problem, fitted.settings, fitted.effects)
+    own = again(teeth, single, np.zeros(teeth.unknowns.wrong.stop))
+    return stand(copy.copy(problem), fitted, teeth, own)

@@ -94,7 +94,7 @@ def _moderate(problem: Problem, alone: Fit, fit: Fit) -> Fit:
     """Return a fit that ended at a bound with half its strength, where it gains much of the same; else itself."""
     setup, own = problem.campaign.setup, copy.copy(problem)
     effects = tuple(effect.scaled(MODERATE, setup) for effect in fit.effects)
-    half = own.fit(effects, own.prepare(effects, fit.point.unknown), rounds=0, fresh=True)
+    half = own.fit(effects, own.prepare(effects, fit.point.unknown), rounds=0)
     return half if alone.objective - half.objective > KEPT * (alone.objective - fit.objective) else fit
 
 

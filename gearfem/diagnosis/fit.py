@@ -75,9 +75,7 @@ class Fit(Record):
     white: Array
 
 
-def fit(
-    problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf, fresh: bool = False
-) -> Fit:
+def fit(problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
     """Fit the parameters of effects and all nuisances.
 
     Parameters
@@ -92,8 +90,6 @@ def fit(
         Rounds at most.
     hopeless : float
         Objective that a fit must promise to reach; one that will not is given up where it stands.
-    fresh : bool
-        Whether the derivatives over scales and zero are taken where a round stands rather than by `Problem.prepare`, at ten times the cost.
 
     Returns
     -------
@@ -112,12 +108,12 @@ def fit(
     Marquardt's), since scales do nearly the work of effects and valleys are narrow. Derivatives are corrected by what each step shows, and
     taken again every third round and before the fit ends. Columns of what is linear are those of the last `prepare`.
     """
-    return _standing(problem, *_descend(problem, problem.at(effects, unknown), rounds, hopeless, fresh))
+    return _standing(problem, *_descend(problem, problem.at(effects, unknown), rounds, hopeless))
 
 
-def _descend(problem: Problem, point: Point, rounds: int, hopeless: float = np.inf, fresh: bool = False) -> tuple[Point, float, Array]:
+def _descend(problem: Problem, point: Point, rounds: int, hopeless: float = np.inf) -> tuple[Point, float, Array]:
     """Return where a fit from a point on ends, see `fit`, what it attains there, and derivatives about there."""
-    derivatives, exact, attained = jacobian(problem, point, fresh), True, problem.attained(point)
+    derivatives, exact, attained = jacobian(problem, point), True, problem.attained(point)
     for number in range(rounds):
         before, left = point, attained
         point, attained = _ahead(problem, before, left, derivatives)
@@ -125,7 +121,7 @@ def _descend(problem: Problem, point: Point, rounds: int, hopeless: float = np.i
         if (gained < small and exact) or (number > 0 and left - 3.0 * gained > hopeless):
             break
         exact = gained < small or number % EXACT == EXACT - 1
-        derivatives = jacobian(problem, point, fresh) if exact else _corrected(problem, derivatives, before, point)
+        derivatives = jacobian(problem, point) if exact else _corrected(problem, derivatives, before, point)
     return point, attained, derivatives
 
 
@@ -207,7 +203,7 @@ def _little(objective: float) -> float:
     return SETTLED + 1e-4 * objective
 
 
-def jacobian(problem: Problem, point: Point, fresh: bool = False) -> Array:
+def jacobian(problem: Problem, point: Point) -> Array:
     """Return the whitened derivatives of all records over parameters and scales, the former by one-sided differences."""
     values, sizes = parameters.values(point.effects), parameters.sizes(point.effects, problem.campaign.setup)
     low, high = parameters.bounds(point.effects, problem.campaign.setup)
@@ -220,7 +216,7 @@ def jacobian(problem: Problem, point: Point, fresh: bool = False) -> Array:
         moved = problem.predict(parameters.moved(point.effects, ahead), point.stood)
         change = problem.whiten(tuple(a - b for a, b in zip(moved, point.predicted, strict=True)))
         columns.append(change / (ahead[place] - value))
-    return np.column_stack([*columns, problem.slopes(point) if fresh else problem.scales])
+    return np.column_stack([*columns, problem.scales])
 
 
 def _corrected(problem: Problem, derivatives: Array, point: Point, ahead: Point) -> Array:

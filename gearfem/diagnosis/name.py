@@ -5,18 +5,16 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 
-from gearfem.diagnosis.averages import averaged, of_single_teeth, stand, teeth_under
+from gearfem.diagnosis.averages import averaged, has_means, of_single_teeth, shows_in_means, stand, teeth_under
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label
 from gearfem.diagnosis.select import select
 from gearfem.diagnosis.verdict import Naming, Verdict, judge, sentence_of
-from gearfem.effects.effect import Effect, Repeat
+from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
-# Effects that means over the pitches show; all others differ from pitch to pitch.
-IN_MEANS: tuple[Repeat, ...] = ("every tooth", "not periodic")
 # Verdicts that name something.
 NAMED: tuple[Verdict, ...] = ("explained", "partly_explained", "ambiguous")
 
@@ -47,12 +45,13 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     by the records row by row (`of_single_teeth`). What is found of one kind is judged anew beside the other. Campaigns without a record
     over the pinion angle have no means and are searched once for all effects.
     """
-    if not any(record.quantity.axis == "angle" for record in problem.records):
+    if not has_means(problem):
         return select(problem, alone, kinds, progress)
     mean = averaged(problem, alone.settings)
     base = again(mean, (), mean.unknowns.of(alone.settings))
-    first = select(mean, base, {word: kind for word, kind in kinds.items() if kind.repeats in IN_MEANS}, progress)
-    second = _of_teeth(problem, first.fit, {word: kind for word, kind in kinds.items() if kind.repeats not in IN_MEANS}, progress)
+    whole, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
+    first = select(mean, base, whole, progress)
+    second = _of_teeth(problem, first.fit, single, progress)
     if first.fit.effects or second.fit.effects:
         first = _anew(problem, first, second, progress)
     return _joined(problem, alone, first, second)
@@ -80,7 +79,10 @@ def _anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -
     progress("effects of all teeth again", len(sets), len(sets))
     best = search.best()
     mean.prepare(best.effects, best.point.stood)
-    return judge(search, first.identifiable)
+    again_judged = judge(search, first.identifiable)
+    # What lost by far before is not fitted again.
+    lost = tuple(rival for rival in first.rivals if label(rival.effects) not in search.fits)
+    return dataclasses.replace(again_judged, rivals=(*again_judged.rivals, *lost))
 
 
 def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Naming:

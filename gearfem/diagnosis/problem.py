@@ -16,7 +16,6 @@ from gearfem.diagnosis.columns import make_columns
 from gearfem.diagnosis.fit import ROUNDS, Fit, fit
 from gearfem.diagnosis.marginal import Marginal, memory_of, profile
 from gearfem.diagnosis.noise import Noise
-from gearfem.diagnosis.nuisances import slopes
 from gearfem.diagnosis.parameters import unlikely
 from gearfem.diagnosis.point import Point
 from gearfem.diagnosis.straying import beyond
@@ -60,8 +59,8 @@ class Problem:
     ----------
     wander : float
         By how much scores of the same explanation may differ.
-    effects, stood : tuple of Effect, tuple of ndarray
-        Where it was prepared last: under which effects, and at which outer unknowns and inner ones that predictions hold.
+    effects : tuple of Effect
+        Under which it was prepared last.
     columns : tuple of ndarray, shapes (n, i)
         Of each record over the inner unknowns in prior deviations [SI], once prepared.
     scales, held_columns : ndarray, shapes (m, outer), (m, h)
@@ -76,7 +75,6 @@ class Problem:
     """
 
     effects: tuple[Effect, ...]
-    stood: tuple[Array, Array]
     columns: tuple[Array, ...]
     scales: Array
     held_columns: Array
@@ -147,7 +145,7 @@ class Problem:
         ndarray, shape (k,)
             The unknowns, completed by zeros where there were fewer.
         """
-        self.effects, self.stood = effects, self._stands(unknown)
+        self.effects = effects
         self.columns, self.whole, self.rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
         inner = self.columns[0].shape[1]
         self.linear = self.whole.first(inner)
@@ -261,18 +259,6 @@ class Problem:
         residual = self.effective(point)
         return lambda vectors: whole.measure(vectors, residual)
 
-    def slopes(self, point: Point) -> Array:
-        """Return the whitened derivatives of all records over the outer unknowns where a point stands, shape (m, outer)."""
-        here = self._stands(point.stood)
-        if point.effects is self.effects and all(map(np.array_equal, here, self.stood)):
-            return self.scales
-        bench, settings, outer = self.bench(point.effects), self.settings(point.stood), point.unknown[: self.outer]
-        derivatives = []
-        for record, expected, rise in zip(self.records, point.predicted, self.rise, strict=True):
-            bare = (expected + rise) / (1.0 + rise)
-            derivatives.append(slopes(record, bench, settings, self.nuisances, outer, bare) * (1.0 + rise)[:, None])
-        return self.whiten(tuple(derivatives))
-
     def whiten(self, series: tuple[Array, ...]) -> Array:
         """Return series in the rows of the records whitened and one below the other."""
         return np.concatenate([noise.whitener.apply(part) for noise, part in zip(self.noises, series, strict=True)])
@@ -281,10 +267,6 @@ class Problem:
         """Return the sum of the squared whitened rows of each record, shape (r,)."""
         return np.array([white[rows] @ white[rows] for rows in self.linear.rows])
 
-    def _stands(self, unknown: Array) -> tuple[Array, Array]:
-        """Return what of unknowns predictions depend on: the outer ones, and inner ones that they hold."""
-        return unknown[: self.outer], self.unknowns.within(unknown)
-
     def _residual(self, predicted: tuple[Array, ...], held: Array) -> Array:
         """Return measured less predicted, whitened; what the prediction holds of inner unknowns, (h,), is put back by columns."""
         misfit = self.whiten(tuple(record.value - part for record, part in zip(self.records, predicted, strict=True)))
@@ -292,9 +274,9 @@ class Problem:
 
     # ---- fitting --------------------------------------------------------------------------------
 
-    def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf, fresh: bool = False) -> Fit:
+    def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
         """Fit the parameters of effects and all nuisances, see `gearfem.diagnosis.fit.fit`."""
-        return fit(self, effects, unknown, rounds, hopeless, fresh)
+        return fit(self, effects, unknown, rounds, hopeless)
 
 
 def _floor(record: Measurement, noise: Noise) -> float:

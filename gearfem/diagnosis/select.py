@@ -122,9 +122,13 @@ def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progre
 
 
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
-    """Return whether nuisances alone leave no gap, do the work of no effect, and no candidate promises half of what a name needs."""
-    sound = gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
-    return sound and all(candidate.gain < HOPELESS * search.problem.detected for candidate in candidates)
+    """Return whether nuisances alone are sound, and no candidate promises half of what a name needs."""
+    return _sound(search) and all(candidate.gain < HOPELESS * search.problem.detected for candidate in candidates)
+
+
+def _sound(search: Search) -> bool:
+    """Return whether nuisances alone leave no gap and do the work of no effect."""
+    return gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
 
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
@@ -132,7 +136,8 @@ def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], prog
     setup = search.problem.campaign.setup
     starts: list[Start] = [((candidate.start(setup),), candidate.unknown) for candidate in chosen]
     search.fit(starts, alone, progress, "single effects")
-    search.settle_from(screened(search.problem, alone, candidates, progress), progress, "effects that slow records call for")
+    if not _sound(search):
+        search.settle_from(screened(search.problem, alone, candidates, progress), progress, "effects that slow records call for")
 
 
 def _in_place(search: Search, candidates: Sequence[Candidate], progress: Progress) -> None:

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import compare, read_campaign
-from gearfem.diagnosis.averages import PLACES, averaged, of_single_teeth, stand, teeth_under
+from gearfem.diagnosis.averages import PLACES, averaged, of_single_teeth, shows_in_means, stand, teeth_under
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import again
 from gearfem.diagnosis.name import _verdict
 from gearfem.diagnosis.verdict import Verdict, gap_left
 from gearfem.effects.catalogue import catalogue
-from gearfem.effects.effect import Repeat
 from gearfem.foundation import Array
 
 from .rig import PLAN, on_the_rig
@@ -104,6 +103,5 @@ def test_the_verdict_is_that_on_means_and_on_single_teeth_together(means: Verdic
     assert _verdict(means, teeth) == verdict
 
 
-def test_every_effect_is_looked_for_in_one_of_both() -> None:
-    whole: set[Repeat] = {"every tooth", "not periodic"}
-    assert {kind.repeats for kind in catalogue().values()} - whole == {"one tooth", "once a turn"}
+def test_an_effect_shows_in_means_unless_it_differs_from_pitch_to_pitch() -> None:
+    assert {kind.repeats for kind in catalogue().values() if not shows_in_means(kind)} == {"one tooth", "once a turn"}

@@ -288,14 +288,3 @@ def test_the_smooth_correction_stays_as_large_as_the_gap_over_a_part_of_a_turn()
     noise = measure_noise(record, PAIR)
     smooth = fit_smooth((record,), (noise,), (left,), PAIR, 0.0)["mesh_stiffness"]
     assert np.sqrt(np.mean((left - smooth.at(record)) ** 2)) < 2.2e5
-
-
-def test_derivatives_are_those_of_the_columns_where_the_problem_was_prepared(healthy: Comparison) -> None:
-    problem, alone = healthy.problem, healthy.alone
-    unknown = problem.prepare((), alone.point.unknown)
-    point = problem.at((), unknown)
-    assert problem.slopes(point) is problem.scales
-    problem.stood = (problem.stood[0] + 1.0, problem.stood[1])
-    taken = problem.slopes(point)
-    assert taken is not problem.scales
-    assert np.array_equal(taken, problem.scales)
