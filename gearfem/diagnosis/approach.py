@@ -39,7 +39,8 @@ def part_of(problem: Problem, places: Sequence[int]) -> Problem:
     # Problems of single teeth have no nuisances, whatever the records could feel.
     unknowns = unknowns_of(problem.campaign, records, own.scatter, own.errors, None if own.nuisances else (), own.level)
     part = Problem(problem.campaign, records, noises, bench=problem.bench, unknowns=unknowns)
-    part.wander, part.floor, part.counts = problem.wander, problem.floor[list(places)], problem.counts[list(places)]
+    part.wander, part.least = problem.wander, problem.least
+    part.floor, part.counts = problem.floor[list(places)], problem.counts[list(places)]
     return part
 
 

@@ -35,6 +35,8 @@ INDEX, LEAST = 0.1e-6, 0.1
 # By how much scores of the same explanation differ by where its fit began, and what a name must gain: with some sixty effects, gears and
 # shapes tried, chance gains 8 beyond what parameters cost in one campaign of three.
 WANDER = 16.0
+# What an effect of one tooth or of a turn must gain: waviness that is not linear has gained up to 54 as a pit of one of sixty teeth.
+SINGLE = 80.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -104,7 +106,7 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     level = dataclasses.replace(neutral(campaign.setup.pair), pinion_late=settings.pinion_late, wheel_late=settings.wheel_late)
     unknowns = unknowns_of(campaign, records, scatter, problem.unknowns.errors, level=level)
     found = Problem(campaign, records, noises, bench=bench, unknowns=unknowns)
-    found.wander = WANDER
+    found.wander = found.least = WANDER
     found.counts = np.array([float(len(noise.whitener.apply(record.value))) for record, noise in zip(records, noises, strict=True)])
     found.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
     return found
@@ -133,7 +135,9 @@ def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect,
         return problem.bench((*effects, *further))
 
     unknowns = unknowns_of(problem.campaign, records, problem.unknowns.scatter, (), (), level)
-    return Problem(problem.campaign, records, noises, bench=bench, unknowns=unknowns)
+    found = Problem(problem.campaign, records, noises, bench=bench, unknowns=unknowns)
+    found.least = SINGLE
+    return found
 
 
 def stand(problem: Problem, fit: Fit, teeth: Problem, single: Fit) -> Fit:

@@ -72,7 +72,13 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     best = fits[0]
     apart = [search.score(fit) - search.score(best) for fit in fits]
     rivals = tuple(
-        Rival(effects=fit.effects, score_difference=worse, why=f"closes the gap as well; its score is worse by {worse:.1f}", near=True)
+        Rival(
+            effects=fit.effects,
+            score_difference=worse,
+            why=f"closes the gap as well; its score is worse by {worse:.1f}",
+            near=True,
+            fit=fit,
+        )
         for fit, worse in zip(fits[1:], apart[1:], strict=True)
     )
     closed = closure(alone, best, problem)

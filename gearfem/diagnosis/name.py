@@ -10,7 +10,7 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label
 from gearfem.diagnosis.select import select
-from gearfem.diagnosis.verdict import Naming, Verdict, judge, sentence_of
+from gearfem.diagnosis.verdict import CLOSED, Naming, Rival, Verdict, closure, judge, sentence_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -50,11 +50,55 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     mean = averaged(problem, alone.settings)
     base = again(mean, (), mean.unknowns.of(alone.settings))
     whole, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
-    first = select(mean, base, whole, progress)
+    first = _told_apart(problem, mean, select(mean, base, whole, progress), progress)
     second = _of_teeth(problem, first.fit, single, progress)
     if first.fit.effects or second.fit.effects:
-        first = _anew(problem, first, second, progress)
+        first = _told_apart(problem, mean, _anew(problem, first, second, progress), progress)
     return _joined(problem, alone, first, second)
+
+
+def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progress) -> Naming:
+    """Return the verdict on means that cannot tell explanations apart, each now judged by what it makes of single teeth too.
+
+    A sensor that reads a quarter makes index errors of four micrometres; the mirror of a slope moves where single teeth hand over.
+    """
+    near = [rival for rival in naming.rivals if rival.near]
+    if naming.verdict != "ambiguous" or not near:
+        return naming
+    own = Rival(effects=naming.fit.effects, score_difference=0.0, why="", near=True, fit=naming.fit, p_values=naming.p_values)
+    costs: dict[Rival, float] = {}
+    for number, one in enumerate((own, *near)):
+        progress("single teeth under rivals", number, 1 + len(near))
+        costs[one] = one.score_difference + teeth_under(problem, one.fit.settings, one.effects, whole=False)[1].objective
+    progress("single teeth under rivals", 1 + len(near), 1 + len(near))
+    least, threshold = min(costs.values()), max(naming.threshold, problem.wander)
+    close = [one for one in costs if costs[one] < least + threshold]
+    best = min(close, key=lambda one: (len(one.effects), sum(len(effect.parameters()) for effect in one.effects), costs[one]))
+    rivals = tuple(
+        dataclasses.replace(one, score_difference=cost - costs[best], why=_beside(cost - costs[best], threshold), near=one in close)
+        for one, cost in sorted(costs.items(), key=lambda item: item[1])
+        if one is not best
+    )
+    closed = closure(naming.alone, best.fit, mean)
+    verdict: Verdict = "ambiguous" if len(close) > 1 else "explained" if closed >= CLOSED else "partly_explained"
+    return dataclasses.replace(
+        naming,
+        verdict=verdict,
+        fit=best.fit,
+        best=best.fit,
+        p_values=best.p_values,
+        closed=closed,
+        rivals=(*rivals, *(rival for rival in naming.rivals if not rival.near)),
+        threshold=threshold,
+        sentence=sentence_of(verdict, best.fit, closed),
+    )
+
+
+def _beside(worse: float, threshold: float) -> str:
+    """Return why an explanation lost, or did not, once single teeth are counted."""
+    if worse < threshold:
+        return f"cannot be told apart: with single teeth its score differs by {worse:+.1f}, less than {threshold:.1f}"
+    return f"leaves more of single teeth: score worse by {worse:.1f}"
 
 
 def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:

@@ -57,8 +57,8 @@ class Problem:
 
     Attributes
     ----------
-    wander : float
-        By how much scores of the same explanation may differ.
+    wander, least : float
+        By how much scores of the same explanation may differ, and what a name must gain whatever the number of rows.
     effects : tuple of Effect
         Under which it was prepared last.
     columns : tuple of ndarray, shapes (n, i)
@@ -82,6 +82,7 @@ class Problem:
     linear: Marginal
     whole: Marginal
     wander: float = WANDER
+    least: float = WANDER
 
     def __init__(
         self,
@@ -104,7 +105,7 @@ class Problem:
     @property
     def detected(self) -> float:
         """Least gain that counts."""
-        return max(self.wander, IMITATED * float(self.counts.sum()))
+        return max(self.least, IMITATED * float(self.counts.sum()))
 
     @property
     def outer(self) -> int:

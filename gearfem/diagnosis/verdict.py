@@ -50,12 +50,18 @@ class Rival(Record):
         Why it lost, or that it did not.
     near : bool
         Whether the data cannot tell it from the chosen one.
+    fit : Fit
+        Of it.
+    p_values : tuple of float
+        Of each of its effects, see `Naming`; empty where it is not near.
     """
 
     effects: tuple[Effect, ...]
     score_difference: float
     why: str
     near: bool
+    fit: Fit
+    p_values: tuple[float, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -141,6 +147,8 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
             score_difference=worse,
             why=barred.get(fit) or (_why(fit, named, worse, limit(fit)) if named.effects else _why_none(-worse, search.problem.detected)),
             near=bool(named.effects) and worse < limit(fit) and not barred.get(fit),
+            fit=fit,
+            p_values=tuple(_p_value(search, fit, number) for number in range(len(fit.effects))) if worse < limit(fit) else (),
         )
         for fit, worse in others
     )

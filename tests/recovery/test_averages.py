@@ -11,10 +11,13 @@ from gearfem.diagnosis import compare, read_campaign
 from gearfem.diagnosis.averages import PLACES, averaged, of_single_teeth, shows_in_means, stand, teeth_under
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import again
-from gearfem.diagnosis.name import _verdict
-from gearfem.diagnosis.verdict import Verdict, gap_left
+from gearfem.diagnosis.name import _told_apart, _verdict
+from gearfem.diagnosis.verdict import Naming, Rival, Verdict, gap_left
 from gearfem.effects.catalogue import catalogue
+from gearfem.effects.sensor_gain import SensorGain
+from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation import Array
+from gearfem.foundation.progress import quiet
 
 from .rig import PLAN, on_the_rig
 
@@ -105,3 +108,35 @@ def test_the_verdict_is_that_on_means_and_on_single_teeth_together(means: Verdic
 
 def test_an_effect_shows_in_means_unless_it_differs_from_pitch_to_pitch() -> None:
     assert {kind.repeats for kind in catalogue().values() if not shows_in_means(kind)} == {"one tooth", "once a turn"}
+
+
+def test_explanations_that_means_cannot_tell_apart_are_judged_by_single_teeth(scattered: Comparison) -> None:
+    """A sensor that reads a quarter would make of errors of micrometres ones of four times as much."""
+    problem, alone = scattered.problem, scattered.alone
+    mean = averaged(problem, alone.settings)
+    right = again(mean, (), mean.unknowns.of(alone.settings))
+    effects = (SensorGain(scale=0.25),)
+    wrong = dataclasses.replace(right, effects=effects, settings=dataclasses.replace(right.settings, gain=0.25))
+    relief = dataclasses.replace(right, effects=(TipRelief(gear="wheel", amount=0.0, length=2e-3),))
+    rival = Rival(effects=relief.effects, score_difference=5.0, why="", near=True, fit=relief, p_values=(0.5,))
+    naming = Naming(
+        verdict="ambiguous",
+        fit=wrong,
+        alone=right,
+        best=wrong,
+        p_values=(0.1,),
+        closed=1.0,
+        rivals=(rival,),
+        identifiable=(),
+        threshold=16.0,
+        sentence="",
+        reasons=(),
+    )
+    told = _told_apart(problem, mean, naming, quiet)
+    assert told.fit is relief
+    assert told.p_values == (0.5,)
+    assert told.verdict in ("explained", "partly_explained")
+    (lost,) = told.rivals
+    assert not lost.near
+    assert lost.score_difference > 40.0
+    assert _told_apart(problem, mean, dataclasses.replace(naming, verdict="explained"), quiet).fit is wrong
