@@ -7,6 +7,8 @@ as what is looked for, have averaged out; an effect of one tooth, or of a turn, 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from scipy.linalg import orth
@@ -16,6 +18,7 @@ from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.quantities import Quantity
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.diagnosis.unknowns import unknowns_of
@@ -39,6 +42,10 @@ WANDER = 16.0
 SINGLE = 80.0
 
 
+# Chooses among quantities.
+Which: TypeAlias = Callable[[Quantity], bool]
+
+
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Average(Record):
     """Takes the mean over the pitches of a record, as a whitener does: rows of variance 1, if what goes in is noise.
@@ -57,6 +64,21 @@ class Average(Record):
     def apply(self, values: Array) -> Array:
         """Return the mean of series in the rows of the record, shapes (n,) or (n, k): shapes (p,) or (p, k)."""
         return np.asarray(self.basis.T @ self.inner.apply(values))
+
+
+def every(quantity: Quantity) -> bool:
+    """Return that a quantity is wanted."""
+    return True
+
+
+def all_but_largest(quantity: Quantity) -> bool:
+    """Return whether a quantity says much of single teeth for its cost: the largest Kw of turns says little and costs most."""
+    return quantity.axis != "speed"
+
+
+def slow(quantity: Quantity) -> bool:
+    """Return whether single teeth act linearly on a quantity: motions whose flanks part take one branch or another for next to nothing."""
+    return not quantity.moving
 
 
 def has_means(problem: Problem) -> bool:
@@ -112,7 +134,7 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     return found
 
 
-def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect, ...], whole: bool = True) -> Problem:
+def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect, ...], which: Which = every) -> Problem:
     """Return the records row by row as a problem of single teeth alone, under effects and nuisances that stand; not prepared.
 
     Parameters
@@ -123,12 +145,12 @@ def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect,
         Scales, zero of the angle and errors of the model that stand; index errors are fitted anew.
     effects : tuple of Effect
         Effects of all teeth that stand.
-    whole : bool
-        Whether the largest Kw of turns are among the records, which say little of single teeth and cost more than all others.
+    which : callable
+        Which quantities are among the records: `every`, `all_but_largest` or `slow`.
     """
     even = neutral(problem.campaign.setup.pair)
     level = dataclasses.replace(settings, pinion_late=even.pinion_late, wheel_late=even.wheel_late)
-    kept = [i for i, record in enumerate(problem.records) if whole or record.quantity.axis != "speed"]
+    kept = [i for i, record in enumerate(problem.records) if which(record.quantity)]
     records, noises = tuple(problem.records[i] for i in kept), tuple(problem.noises[i] for i in kept)
 
     def bench(further: tuple[Effect, ...]) -> SystemBench:
@@ -170,9 +192,9 @@ def stand(problem: Problem, fit: Fit, teeth: Problem, single: Fit) -> Fit:
     )
 
 
-def teeth_under(problem: Problem, settings: Settings, effects: tuple[Effect, ...], whole: bool = True) -> tuple[Problem, Fit]:
+def teeth_under(problem: Problem, settings: Settings, effects: tuple[Effect, ...], which: Which = every) -> tuple[Problem, Fit]:
     """Return the problem of single teeth under settings and effects that stand, see `of_single_teeth`, and its fit without further ones."""
-    teeth = of_single_teeth(problem, settings, effects, whole)
+    teeth = of_single_teeth(problem, settings, effects, which)
     fit = again(teeth, (), np.zeros(teeth.unknowns.wrong.stop), TIMES)
     teeth.remember(fit)
     return teeth, fit

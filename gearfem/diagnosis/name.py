@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 
-from gearfem.diagnosis.averages import averaged, has_means, of_single_teeth, shows_in_means, stand, teeth_under
+from gearfem.diagnosis.averages import all_but_largest, averaged, has_means, of_single_teeth, shows_in_means, slow, stand, teeth_under
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label
@@ -60,16 +60,17 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
 def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progress) -> Naming:
     """Return the verdict on means that cannot tell explanations apart, each now judged by what it makes of single teeth too.
 
-    A sensor that reads a quarter makes index errors of four micrometres; the mirror of a slope moves where single teeth hand over.
+    By slow records and gears off the rig alone. A sensor that reads a quarter makes index errors of four micrometres; the mirror of a slope
+    moves where single teeth hand over.
     """
     near = [rival for rival in naming.rivals if rival.near]
-    if naming.verdict != "ambiguous" or not near:
+    if naming.verdict != "ambiguous" or not near or not any(slow(record.quantity) for record in problem.records):
         return naming
     own = Rival(effects=naming.fit.effects, score_difference=0.0, why="", near=True, fit=naming.fit, p_values=naming.p_values)
     costs: dict[Rival, float] = {}
     for number, one in enumerate((own, *near)):
         progress("single teeth under rivals", number, 1 + len(near))
-        costs[one] = one.score_difference + teeth_under(problem, one.fit.settings, one.effects, whole=False)[1].objective
+        costs[one] = one.score_difference + teeth_under(problem, one.fit.settings, one.effects, slow)[1].objective
     progress("single teeth under rivals", 1 + len(near), 1 + len(near))
     least, threshold = min(costs.values()), max(naming.threshold, problem.wander)
     close = [one for one in costs if costs[one] < least + threshold]
@@ -103,7 +104,7 @@ def _beside(worse: float, threshold: float) -> str:
 
 def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
     """Return what single teeth and turns show beside a fit of the means."""
-    teeth, bare = teeth_under(problem, fit.settings, fit.effects, whole=False)
+    teeth, bare = teeth_under(problem, fit.settings, fit.effects, all_but_largest)
     return select(teeth, bare, kinds, progress)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from gearfem.assembly import assemble
-from gearfem.diagnosis.approach import EDGES, part_of, tuned, unwound
+from gearfem.diagnosis.approach import EDGES, LOST, part_of, tuned, unwound
 from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.nuisances import Nuisance
@@ -56,7 +56,7 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
 
     def fitted(example: Effect) -> Fit | None:
         tried = [((effect,), neutral) for effect in (example, *shapes_of(type(example).example(setup, example.member), setup))]
-        if part.left_at((), neutral) > part.wander + alone.objective:
+        if (alone.squares / problem.floor).max() > LOST:
             tried += [(effects, zero) for effects, _ in tried for zero in unwound(part, effects, neutral)]
         effects, unknown = min(tried, key=lambda start: part.left_at(*start))
         try:

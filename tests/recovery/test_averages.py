@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import compare, read_campaign
-from gearfem.diagnosis.averages import PLACES, averaged, of_single_teeth, shows_in_means, stand, teeth_under
+from gearfem.diagnosis.averages import PLACES, all_but_largest, averaged, of_single_teeth, shows_in_means, slow, stand, teeth_under
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import again
 from gearfem.diagnosis.name import _told_apart, _verdict
+from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.verdict import Naming, Rival, Verdict, gap_left
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.sensor_gain import SensorGain
@@ -83,7 +84,9 @@ def test_one_fit_of_all_rows_stands_where_both_do(scattered: Comparison) -> None
 
 def test_single_teeth_need_no_largest_kw(scattered: Comparison) -> None:
     problem = scattered.problem
-    assert of_single_teeth(problem, scattered.alone.settings, (), whole=False).records == problem.records
+    assert of_single_teeth(problem, scattered.alone.settings, (), all_but_largest).records == problem.records
+    assert [all_but_largest(QUANTITIES[name]) for name in ("dynamic_factor", "dynamic_transmission_error")] == [False, True]
+    assert [slow(QUANTITIES[name]) for name in ("dynamic_transmission_error", "pitch_deviation")] == [False, True]
 
 
 @pytest.mark.parametrize(
