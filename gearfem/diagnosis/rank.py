@@ -107,7 +107,7 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
     """Return the effect at the shape, and then the strength, that explain most."""
     setup = view.problem.campaign.setup
     likely = _waves(view, start) if turns(start) else _likeliest(slow, start) if slow is not None else []
-    if not likely and any(record.quantity.moving for record in view.problem.records):
+    if not likely and slow is not None and any(record.quantity.moving for record in view.problem.records):
         return _fitted(view, start)
     likely = likely or [(effect, None) for effect in shapes_of(start, setup)]
     candidates = [candidate_of(view, effect, unknown) for effect, unknown in likely]

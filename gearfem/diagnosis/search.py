@@ -16,7 +16,7 @@ from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import faint, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.side_by_side import side_by_side
-from gearfem.diagnosis.straying import beyond
+from gearfem.diagnosis.straying import STRAYED, beyond
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -244,6 +244,13 @@ def uneven(problem: Problem, fit: Fit) -> Array:
         deviation, rest = (max(1.0, float(median_abs_deviation(one, scale="normal"))) for one in (own, own - waves))
         found[:, gear] = np.abs(own - np.median(own)).max() / deviation, amplitude / rest
     return found
+
+
+def odd_of(late: Array) -> Array:
+    """Return what index errors of a gear, shape (z,), have beyond three of their deviations from the middle one: no scatter of teeth."""
+    apart = late - np.median(late)
+    most = STRAYED * max(1.0, float(median_abs_deviation(late, scale="normal")))
+    return np.asarray(apart - np.clip(apart, -most, most))
 
 
 def waves_of(late: Array) -> Array:

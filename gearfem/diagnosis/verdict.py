@@ -13,7 +13,7 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Label, Search, label, uneven, waves_of
+from gearfem.diagnosis.search import Label, Search, label, odd_of, uneven, waves_of
 from gearfem.diagnosis.straying import LOST, STRAYED
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, Record
@@ -223,7 +223,7 @@ def _wrong(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
 def _within_reason(fit: Fit, problem: Problem) -> Array:
     """Return the mean squares, shape (r,), that a fit leaves with nuisances brought back to where they do the work of no effect.
 
-    Scales, and waves of the index errors.
+    Scales, and of the index errors waves and what stands out of a single tooth.
     """
     unknowns, unknown = problem.unknowns, fit.point.unknown.copy()
     unknown[unknowns.scales] = np.clip(unknown[unknowns.scales], -STRAYED, STRAYED)
@@ -234,7 +234,7 @@ def _within_reason(fit: Fit, problem: Problem) -> Array:
         return np.asarray(problem.squares(white) / problem.counts)
     gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
     stray = uneven(problem, fit)[1] > STRAYED
-    back = np.concatenate([waves_of(late) * stray[number] for number, late in enumerate(gears)])
+    back = np.concatenate([waves_of(late) * stray[number] + odd_of(late) for number, late in enumerate(gears)])
     return np.asarray(problem.squares(white + problem.held_columns[:, : back.size] @ back) / problem.counts)
 
 

@@ -16,7 +16,7 @@ from gearfem.diagnosis.mimic import _form_scales, mimicked
 from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Search, label, stays, uneven, waves_of
+from gearfem.diagnosis.search import Search, label, odd_of, stays, uneven, waves_of
 from gearfem.diagnosis.verdict import _mirrored, _misshapen, closure, judge, sentence_of
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
@@ -105,6 +105,8 @@ def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> Non
     assert not stays(problem, wavy)
     assert closure(chance, chance, problem) == pytest.approx(0.0, abs=1e-9)
     assert closure(wavy, chance, problem) > 0.5
+    late = np.array([0.5, -0.4, 8.0, 0.1, -0.2, 0.3, -9.0])
+    assert odd_of(late) == pytest.approx([0.0, 0.0, 4.9, 0.0, 0.0, 0.0, -6.1], abs=1e-9, rel=0.0)
     assert waves_of(np.cos(2.0 * turn) + 3.0 + np.cos(5.0 * turn)) == pytest.approx(np.cos(2.0 * turn), abs=1e-12, rel=0.0)
 
 
