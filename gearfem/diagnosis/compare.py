@@ -77,7 +77,8 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     if has_means(problem):
         alone, shifts = _by_turns(problem, level, found.settings, progress)
     else:
-        alone = again(problem, (), problem.unknowns.of(level))
+        met = tuned(problem, problem.prepare((), problem.unknowns.of(level)))
+        alone = again(problem, (), problem.fit((), met).point.unknown)
         shifts = _shifts(problem, alone)
         problem.remember(alone)
     progress("nuisances", 4, 4)

@@ -114,7 +114,8 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
     good = [candidate for candidate in candidates if candidate is not None]
     if not good:
         return None
-    best = max(good, key=lambda candidate: candidate.gain)
+    # Of what explains as much, to rounding, the first: a handful of numbers is met by any shape.
+    best = max(good, key=lambda candidate: round(candidate.gain, 3))
     for _ in range(REFINED if best.gain > WORTH else 0):
         # Half way from here to where the response would end if it were linear, since it bends.
         strength = best.amplitude if best.amplitude < 1.0 else 0.5 * (1.0 + best.amplitude)
