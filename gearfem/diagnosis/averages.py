@@ -35,8 +35,8 @@ SLOW, MOVING, JUMPING, LARGEST = 0.003, 0.02, 0.10, 0.25
 TIMES = 3
 # What index errors may be off where they stand still [m], and the least that single teeth do to a mean, in deviations of its noise.
 INDEX, LEAST = 0.1e-6, 0.1
-# By how much scores of the same explanation differ by where its fit began, and what a name must gain: with some sixty effects, gears and
-# shapes tried, chance gains 8 beyond what parameters cost in one campaign of three.
+# By how much scores of the same explanation differ by where its fit began, and what a name must gain: of seven healthy pairs the best
+# explanation gained 8 at most.
 WANDER = 16.0
 # What an effect of one tooth or of a turn must gain: waviness that is not linear has gained up to 54 as a pit of one of sixty teeth.
 SINGLE = 80.0

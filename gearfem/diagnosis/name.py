@@ -53,7 +53,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     first = _told_apart(problem, mean, select(mean, base, whole, progress), progress)
     second = _of_teeth(problem, first.fit, single, progress)
     if first.fit.effects or second.fit.effects:
-        first = _told_apart(problem, mean, _anew(problem, first, second, progress), progress)
+        first = _anew(problem, first, second, progress)
     return _joined(problem, alone, first, second)
 
 
@@ -124,24 +124,21 @@ def _anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -
     progress("effects of all teeth again", len(sets), len(sets))
     best = search.best()
     mean.prepare(best.effects, best.point.stood)
-    again_judged = judge(search, first.identifiable)
+    judged = judge(search, first.identifiable)
     # What lost by far before is not fitted again.
     lost = tuple(rival for rival in first.rivals if label(rival.effects) not in search.fits)
-    return dataclasses.replace(again_judged, rivals=(*again_judged.rivals, *lost))
+    return _told_apart(problem, mean, dataclasses.replace(judged, rivals=(*judged.rivals, *lost)), progress)
 
 
 def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Naming:
     """Return one verdict from that on the means and that on single teeth."""
-    teeth = of_single_teeth(problem, first.fit.settings, first.fit.effects)
-    single = teeth.fit(second.fit.effects, teeth.prepare(second.fit.effects, second.fit.point.stood), rounds=0)
-    fit = stand(problem, first.fit, teeth, single)
     best = (*first.best.effects, *second.best.effects)
     named = [one for one in (first, second) if one.fit.effects]
+    fit = _whole(problem, first.fit, second.fit) if named else alone
     verdict = _verdict(first.verdict, second.verdict)
     closed = max((one.closed for one in named), default=max(first.closed, second.closed))
-    if not fit.effects:
+    if not named:
         problem.prepare((), alone.point.stood)
-        fit = alone
     rivals = (
         *(dataclasses.replace(rival, effects=(*rival.effects, *second.fit.effects)) for rival in first.rivals),
         *(dataclasses.replace(rival, effects=(*first.fit.effects, *rival.effects)) for rival in second.rivals),
@@ -162,6 +159,12 @@ def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Nami
             *(f"Single teeth: {reason}" for reason in second.reasons),
         ),
     )
+
+
+def _whole(problem: Problem, means: Fit, single: Fit) -> Fit:
+    """Return the fit of all records row by row, the largest Kw of turns included, from one of the means and of single teeth under it."""
+    teeth = of_single_teeth(problem, means.settings, means.effects)
+    return stand(problem, means, teeth, teeth.fit(single.effects, teeth.prepare(single.effects, single.point.stood), rounds=0))
 
 
 def _verdict(first: Verdict, second: Verdict) -> Verdict:

@@ -73,11 +73,9 @@ class Search:
             except (InputError, SolveError):
                 return None
 
-        for number, (start, found) in enumerate(zip(new, side_by_side(one, new), strict=True)):
+        for number, found in enumerate(side_by_side(one, new)):
             progress(words, number, len(new))
-            if found is not None:
-                before = self.fits.get(label(start[0]), found)
-                self.fits[label(start[0])] = min(before, found, key=self.score)
+            self._keep(found)
         progress(words, max(len(new), 1), max(len(new), 1))
 
     def start(self, start: Start, base: Fit) -> Array:
@@ -121,10 +119,14 @@ class Search:
 
         for number, found in enumerate(side_by_side(one, starts)):
             progress(words, number, len(starts))
-            if found is not None:
-                key = label(found.effects)
-                self.fits[key] = min(self.fits.get(key, found), found, key=self.score)
+            self._keep(found)
         progress(words, max(len(starts), 1), max(len(starts), 1))
+
+    def _keep(self, found: Fit | None) -> None:
+        """Keep a fit if it is the best one of its effects so far."""
+        if found is not None:
+            before = self.fits.get(label(found.effects), found)
+            self.fits[label(found.effects)] = min(before, found, key=self.score)
 
     def abreast(self, progress: Progress) -> None:
         """Fit all explanations beside the best again from where that stands, so that none wins by where it began."""
