@@ -10,7 +10,7 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label
 from gearfem.diagnosis.select import select
-from gearfem.diagnosis.verdict import CLOSED, Naming, Rival, Verdict, closure, judge, sentence_of
+from gearfem.diagnosis.verdict import CLOSED, REST, Naming, Rival, Verdict, closure, gap_left, judge, sentence_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -42,8 +42,8 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     -----
     Effects of all teeth, and what does not come back with the turns, are selected by the means over the pitches (`averaged`), which hold
     all that is known of them, of nuisances and of errors of our own model; then, these standing still, effects of single teeth and turns
-    by the records row by row (`of_single_teeth`). What is found of one kind is judged anew beside the other. Campaigns without a record
-    over the pinion angle have no means and are searched once for all effects.
+    by the records row by row (`of_single_teeth`). Beside those the first kind is judged anew, or selected anew where any of the second was
+    found. Campaigns without a record over the pinion angle have no means and are searched once for all effects.
     """
     if not has_means(problem):
         return select(problem, alone, kinds, progress)
@@ -52,7 +52,13 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     whole, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
     first = _told_apart(problem, mean, select(mean, base, whole, progress), progress)
     second = _of_teeth(problem, first.fit, single, progress)
-    if first.fit.effects or second.fit.effects:
+    if second.fit.effects and (first.fit.effects or first.verdict == "unexplained"):
+        # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
+        settings, known = second.fit.settings, second.fit.effects
+        mean = averaged(problem, settings, known)
+        base = again(mean, (), mean.unknowns.of(settings))
+        first = _told_apart(problem, mean, select(mean, base, whole, progress), progress)
+    elif first.fit.effects:
         first = _anew(problem, first, second, progress)
     return _joined(problem, alone, first, second)
 
@@ -89,6 +95,7 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
         best=best.fit,
         p_values=best.p_values,
         closed=closed,
+        left=gap_left(best.fit, mean),
         rivals=(*rivals, *(rival for rival in naming.rivals if not rival.near)),
         threshold=threshold,
         sentence=sentence_of(verdict, best.fit, closed),
@@ -109,8 +116,8 @@ def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], pro
 
 
 def _anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -> Naming:
-    """Return the verdict on the means again, single teeth and their effects as they have been found beside it."""
-    mean = averaged(problem, second.fit.settings, second.fit.effects)
+    """Return the verdict on the means again, single teeth as they have been found beside it."""
+    mean = averaged(problem, second.fit.settings)
     start = mean.unknowns.of(first.best.settings)
     search = Search(mean, again(mean, (), mean.unknowns.of(first.alone.settings)))
     sets = [first.best.effects, *(rival.effects for rival in first.rivals if rival.near)]
@@ -135,7 +142,7 @@ def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Nami
     best = (*first.best.effects, *second.best.effects)
     named = [one for one in (first, second) if one.fit.effects]
     fit = _whole(problem, first.fit, second.fit) if named else alone
-    verdict = _verdict(first.verdict, second.verdict)
+    verdict = _verdict(first.verdict, second.verdict, second.left)
     closed = max((one.closed for one in named), default=max(first.closed, second.closed))
     if not named:
         problem.prepare((), alone.point.stood)
@@ -150,6 +157,7 @@ def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Nami
         best=fit if fit.effects or not best else dataclasses.replace(fit, effects=best),
         p_values=tuple(chance for one in named for chance in one.p_values),
         closed=closed,
+        left=max(first.left, second.left),
         rivals=tuple(sorted(rivals, key=lambda rival: rival.score_difference)),
         identifiable=tuple(sorted((*first.identifiable, *second.identifiable), key=lambda one: one.limit)),
         threshold=max(first.threshold, second.threshold),
@@ -167,11 +175,15 @@ def _whole(problem: Problem, means: Fit, single: Fit) -> Fit:
     return stand(problem, means, teeth, teeth.fit(single.effects, teeth.prepare(single.effects, single.point.stood), rounds=0))
 
 
-def _verdict(first: Verdict, second: Verdict) -> Verdict:
-    """Return the verdict on a campaign from those on its means and on its single teeth."""
-    both = first, second
+def _verdict(means: Verdict, teeth: Verdict, left: float) -> Verdict:
+    """Return the verdict on a campaign from those on its means and on its single teeth, of which so many gaps are left.
+
+    What no name stands for of single teeth, but for a little of it that waviness may be, is a rest beside one that stands for means.
+    """
+    both = means, teeth
     if not any(one in NAMED for one in both):
         return "unexplained" if "unexplained" in both else "no_discrepancy"
     if "ambiguous" in both:
         return "ambiguous"
-    return "partly_explained" if "partly_explained" in both or "unexplained" in both else "explained"
+    rest = means == "unexplained" or (teeth == "unexplained" and not 1.0 <= left <= REST)
+    return "partly_explained" if rest or "partly_explained" in both else "explained"

@@ -31,6 +31,9 @@ WANDER = 40.0
 # Share of the rows that a name must gain too: of eleven healthy pairs one gained 0.4 % by effects that imitate errors of our model.
 IMITATED = 0.005
 
+# Rows over which errors of the model stay alike at most: records of a longer memory would be given up for a trifle that others gain.
+MEMORY = 4.0
+
 # What measures whitened signatures, shape (m, p): their products with each other, (p, p), and with what is left, (p,).
 Freed: TypeAlias = Callable[[Array], tuple[Array, Array]]
 # What makes the model with effects.
@@ -160,7 +163,8 @@ class Problem:
             # Rows of a mean stand in no order.
             return
         rows = zip(self.records, self.linear.rows, strict=True)
-        self.memory = np.array([1.0 if record.quantity.of_gear else memory_of(fit.white[part]) for record, part in rows])
+        found = np.array([1.0 if record.quantity.of_gear else memory_of(fit.white[part]) for record, part in rows])
+        self.memory = np.minimum(found, MEMORY)
 
     # ---- points ---------------------------------------------------------------------------------
 

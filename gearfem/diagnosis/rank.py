@@ -195,11 +195,13 @@ def _likeliest(slow: View, start: Effect) -> list[tuple[Effect, Array | None]]:
 def _elsewhere(view: View, effect: Effect) -> list[Array]:
     """Return nuisances other than those of a fit that is far from the records, from which an effect may lead nearer.
 
-    Scales as the model has them, since those of the fit do the work of what is missing; and zeros of the pinion angle as they look with
-    the effect in the model, since effects that change all flanks much move the mesh lines.
+    Scales as the model has them, since those of the fit do the work of what is missing: all, or those of motions alone, of which slow
+    records say nothing; and zeros of the pinion angle as they look with the effect in the model, since effects that change all flanks much
+    move the mesh lines.
     """
     problem, base = view.problem, view.base
     if (base.squares / problem.floor).max() < LOST:
         return []
-    neutral = problem.unknowns.neutral(base.point.unknown)
-    return [neutral, *unwound(problem, (*base.effects, effect), neutral)]
+    unknowns, stood = problem.unknowns, base.point.unknown
+    neutral = unknowns.neutral(stood)
+    return [neutral, *([unknowns.resting(stood)] if unknowns.moving else []), *unwound(problem, (*base.effects, effect), neutral)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -22,8 +23,9 @@ from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress
 from gearfem.variants import Variant
 
-# How many effects are worth a fit to all records, and times that the slow records are prepared anew for each.
-MOST, TIMES = 5, 3
+# Rounds in which each effect is looked at, how many are worth a fit to all records, and times that the slow records are prepared anew for
+# each of these.
+ROUNDS, MOST, TIMES = 3, 5, 3
 
 
 def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], progress: Progress) -> list[tuple[tuple[Effect, ...], Array]]:
@@ -52,25 +54,28 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
     part, setup = part_of(problem, slow), problem.campaign.setup
     level = problem.settings(problem.unknowns.neutral(alone.point.unknown))
     neutral = part.unknowns.of(dataclasses.replace(level, coupling_scale=1.0, tip_edge_scale=EDGES[-1]))
-    part.prepare((), neutral)
+    neutral = part.prepare((), neutral)
 
-    def fitted(example: Effect) -> Fit | None:
+    def looked_at(example: Effect) -> Fit | None:
         tried = [((effect,), neutral) for effect in (example, *shapes_of(type(example).example(setup, example.member), setup))]
         if (alone.squares / problem.floor).max() > LOST:
             tried += [(effects, zero) for effects, _ in tried for zero in unwound(part, effects, neutral)]
-        effects, unknown = min(tried, key=lambda start: part.left_at(*start))
         try:
-            return again(copy.copy(part), effects, unknown, TIMES)
+            return part.fit(*min(tried, key=lambda start: part.left_at(*start)), ROUNDS)
         except (InputError, SolveError):
             return None
 
+    def fitted(fit: Fit) -> tuple[tuple[Effect, ...], Array]:
+        with contextlib.suppress(InputError, SolveError):
+            fit = again(copy.copy(part), fit.effects, fit.point.stood, TIMES)
+        return fit.effects, _to_motions(problem, alone, fit)
+
     found, words = [], "effects in the place of nuisances"
-    for number, fit in enumerate(side_by_side(fitted, jobs)):
+    for number, fit in enumerate(side_by_side(looked_at, jobs)):
         progress(words, number, len(jobs))
         found += [fit] if fit is not None else []
     progress(words, len(jobs), len(jobs))
-    nearest = sorted(found, key=lambda fit: fit.objective)[:MOST]
-    return list(side_by_side(lambda fit: (fit.effects, _to_motions(problem, alone, fit)), nearest))
+    return list(side_by_side(fitted, sorted(found, key=lambda fit: fit.objective)[:MOST]))
 
 
 def _to_motions(problem: Problem, alone: Fit, fit: Fit) -> Array:

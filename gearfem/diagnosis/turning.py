@@ -17,6 +17,8 @@ from gearfem.foundation import InputError, SolveError
 ORDERS, PROBE = tuple(float(order) for order in range(1, 11)), 0.1
 # Orders that are looked at as they stand, and at which multiples of their strengths: where flanks part, the linear ones fall short.
 LIKELIEST, MULTIPLES = 2, (1.0, 2.0)
+# By how much more a wave must explain than one of the next best order would: motions whose flanks part change their branch at any.
+STANDS_OUT = 3.0
 
 
 def turns(effect: Effect) -> bool:
@@ -37,7 +39,7 @@ def turned(view: View, start: Effect) -> list[Effect]:
     Returns
     -------
     list of Effect
-        At most two orders, each at two strengths; none where no record feels it.
+        At most two orders, each at two strengths; none where no record feels it, or all orders explain about as much.
 
     Notes
     -----
@@ -49,8 +51,14 @@ def turned(view: View, start: Effect) -> list[Effect]:
         with contextlib.suppress(InputError, SolveError):
             found.append(_wave(view, order))
     setup = view.problem.campaign.setup
-    likeliest = sorted((item for item in found if item[0] > 0.0), key=lambda item: -item[0])[:LIKELIEST]
-    return [bounded(effect.scaled(multiple, setup), setup) for _, effect in likeliest for multiple in MULTIPLES]
+    return [bounded(effect.scaled(multiple, setup), setup) for effect in standing_out(found) for multiple in MULTIPLES]
+
+
+def standing_out(found: list[tuple[float, Effect]]) -> list[Effect]:
+    """Return the waves that explain most of what each order would, the best first: those that stand out of all others."""
+    ranked = sorted((item for item in found if item[0] > 0.0), key=lambda item: -item[0])
+    usual = ranked[LIKELIEST][0] if len(ranked) > LIKELIEST else 0.0
+    return [effect for gain, effect in ranked[:LIKELIEST] if gain > STANDS_OUT * usual]
 
 
 def _orders(start: Effect) -> list[Effect]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.nuisances import BUILD, Nuisance, moved_settings, nuisances_of
+from gearfem.diagnosis.nuisances import BUILD, MOVING, Nuisance, moved_settings, nuisances_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.foundation import Array, Record
 from gearfem.variants import Variant
@@ -136,6 +136,17 @@ class Unknowns(Record):
         found = unknown.copy()
         found[self.scales] = 0.0
         found[self.wrong] = 0.0
+        return found
+
+    @property
+    def moving(self) -> list[int]:
+        """Places of what motions alone say much of: inertias, damping and compliance in series."""
+        return [place for place, nuisance in enumerate(self.nuisances) if nuisance in MOVING or nuisance.name == "series_compliance"]
+
+    def resting(self, unknown: Array) -> Array:
+        """Return unknowns with what motions alone say much of as the model has it; all else stays."""
+        found = unknown.copy()
+        found[self.moving] = 0.0
         return found
 
     def constant(self, record: int, unknown: Array) -> float:

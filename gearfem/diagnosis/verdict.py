@@ -80,8 +80,8 @@ class Naming(Record):
         The best explanation, named or not.
     p_values : tuple of float
         Of each named effect: chance that noise and our own errors do as much, times the effects, gears and teeth tried.
-    closed : float
-        Share of the gap that the best explanation closes.
+    closed, left : float
+        Share of the gap that the best explanation closes, and what it leaves, in gaps.
     rivals : tuple of Rival
         Other explanations that were fitted, best first; where nothing is named, all of them, beside nuisances alone.
     identifiable : tuple of Identifiability
@@ -100,6 +100,7 @@ class Naming(Record):
     best: Fit
     p_values: tuple[float, ...]
     closed: float
+    left: float
     rivals: tuple[Rival, ...]
     identifiable: tuple[Identifiability, ...]
     threshold: float
@@ -159,6 +160,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         best=best,
         p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
         closed=closed,
+        left=remains,
         rivals=rivals,
         identifiable=shown,
         threshold=max([threshold, *(limit(fit) for fit in close)]),
@@ -223,19 +225,20 @@ def _wrong(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
 def _within_reason(fit: Fit, problem: Problem) -> Array:
     """Return the mean squares, shape (r,), that a fit leaves with nuisances brought back to where they do the work of no effect.
 
-    Scales, and of the index errors waves and what stands out of a single tooth.
+    Scales, errors of our own model, and of the index errors waves and what stands out of a single tooth.
     """
     unknowns, unknown = problem.unknowns, fit.point.unknown.copy()
     unknown[unknowns.scales] = np.clip(unknown[unknowns.scales], -STRAYED, STRAYED)
     white = fit.white
     if not np.array_equal(unknown, fit.point.unknown):
         white = problem.whiten(problem.left(problem.at(fit.effects, unknown)))
-    if unknowns.scatter.common:
-        return np.asarray(problem.squares(white) / problem.counts)
-    gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
-    stray = uneven(problem, fit)[1] > STRAYED
-    back = np.concatenate([waves_of(late) * stray[number] + odd_of(late) for number, late in enumerate(gears)])
-    return np.asarray(problem.squares(white + problem.held_columns[:, : back.size] @ back) / problem.counts)
+    wrong = unknown[unknowns.wrong]
+    back = [wrong - np.clip(wrong, -STRAYED, STRAYED)]
+    if not unknowns.scatter.common:
+        gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
+        stray = uneven(problem, fit)[1] > STRAYED
+        back = [*(waves_of(late) * stray[number] + odd_of(late) for number, late in enumerate(gears)), *back]
+    return np.asarray(problem.squares(white + problem.held_columns @ np.concatenate(back)) / problem.counts)
 
 
 def closure(alone: Fit, best: Fit, problem: Problem) -> float:

@@ -90,23 +90,26 @@ def test_single_teeth_need_no_largest_kw(scattered: Comparison) -> None:
 
 
 @pytest.mark.parametrize(
-    ("means", "teeth", "verdict"),
+    ("means", "teeth", "left", "verdict"),
     [
-        ("no_discrepancy", "no_discrepancy", "no_discrepancy"),
-        ("unexplained", "no_discrepancy", "unexplained"),
-        ("no_discrepancy", "unexplained", "unexplained"),
-        ("explained", "no_discrepancy", "explained"),
-        ("no_discrepancy", "explained", "explained"),
-        ("explained", "explained", "explained"),
-        ("explained", "unexplained", "partly_explained"),
-        ("unexplained", "explained", "partly_explained"),
-        ("partly_explained", "explained", "partly_explained"),
-        ("explained", "ambiguous", "ambiguous"),
-        ("ambiguous", "unexplained", "ambiguous"),
+        ("no_discrepancy", "no_discrepancy", 0.8, "no_discrepancy"),
+        ("unexplained", "no_discrepancy", 0.8, "unexplained"),
+        ("no_discrepancy", "unexplained", 1.5, "unexplained"),
+        ("explained", "no_discrepancy", 0.8, "explained"),
+        ("no_discrepancy", "explained", 0.8, "explained"),
+        ("explained", "explained", 0.8, "explained"),
+        ("explained", "unexplained", 1.5, "explained"),
+        ("explained", "unexplained", 3.0, "partly_explained"),
+        # Not for what is left: index errors do the work of something.
+        ("explained", "unexplained", 0.8, "partly_explained"),
+        ("unexplained", "explained", 0.8, "partly_explained"),
+        ("partly_explained", "explained", 0.8, "partly_explained"),
+        ("explained", "ambiguous", 0.8, "ambiguous"),
+        ("ambiguous", "unexplained", 3.0, "ambiguous"),
     ],
 )
-def test_the_verdict_is_that_on_means_and_on_single_teeth_together(means: Verdict, teeth: Verdict, verdict: Verdict) -> None:
-    assert _verdict(means, teeth) == verdict
+def test_the_verdict_is_that_on_means_and_on_single_teeth_together(means: Verdict, teeth: Verdict, left: float, verdict: Verdict) -> None:
+    assert _verdict(means, teeth, left) == verdict
 
 
 def test_an_effect_shows_in_means_unless_it_differs_from_pitch_to_pitch() -> None:
@@ -129,6 +132,7 @@ def test_explanations_that_means_cannot_tell_apart_are_judged_by_single_teeth(sc
         best=wrong,
         p_values=(0.1,),
         closed=1.0,
+        left=0.9,
         rivals=(rival,),
         identifiable=(),
         threshold=16.0,
