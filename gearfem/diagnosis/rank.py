@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.ringing import rung
-from gearfem.diagnosis.shapes import bounded, shapes_of, spread_of, stands
+from gearfem.diagnosis.shapes import bounded, scanned, shapes_of, spread_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.turning import turned, turns
 from gearfem.effects.effect import MEMBERS, Effect
@@ -30,6 +32,9 @@ LIKELIEST = 2
 MET = 3
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
+
+# Where a fit starts: effects and unknowns.
+Start: TypeAlias = tuple[tuple[Effect, ...], Array]
 
 
 def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> tuple[Candidate, ...]:
@@ -132,19 +137,26 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
     problem, base = view.problem, view.base
     if not any(record.quantity.moving for record in problem.records):
         return None
-    starts: list[tuple[tuple[Effect, ...], Array]] = []
+    tried: list[tuple[float, Start]] = []
     for unknown in (base.point.unknown, *_elsewhere(view, start)):
         with contextlib.suppress(InputError, SolveError):
-            if stands(start):
-                one = view if unknown is base.point.unknown else _moved(view, unknown)
-                starts += [((*base.effects, effect), unknown) for effect in rung(one, start)]
-            else:
-                starts += [((*base.effects, effect), unknown) for effect in spread_of(start, problem.campaign.setup)]
-    starts = sorted(starts, key=lambda one: problem.left_at(*one))[:MET]
-    found = _fits(problem, starts, 2, base.objective)
+            one = view if unknown is base.point.unknown or not stands(start) else _moved(view, unknown)
+            effects = rung(one, start) if stands(start) else spread_of(start, problem.campaign.setup)
+            starts: list[Start] = [((*base.effects, effect), unknown) for effect in effects]
+            left = [problem.left_at(*place) for place in starts]
+            pits = lowest(left) if scanned(start, problem.campaign.setup) else range(len(left))
+            tried += [(left[place], starts[place]) for place in pits]
+    nearest = [place for _, place in sorted(tried, key=lambda item: item[0])[:MET]]
+    found = _fits(problem, nearest, 2, base.objective)
     ahead = sorted(found, key=lambda fit: fit.objective)[:1]
     fits = _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, base.objective)
     return max(_candidates(view, fits), key=lambda candidate: candidate.gain, default=None)
+
+
+def lowest(left: Sequence[float]) -> list[int]:
+    """Return the places of a scan that leave no more than their neighbours: a fit from any other one ends where one from these does."""
+    edged = [math.inf, *left, math.inf]
+    return [place for place, here in enumerate(left) if here <= min(edged[place], edged[place + 2])]
 
 
 def _moved(view: View, unknown: Array) -> View:
@@ -164,7 +176,7 @@ def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:
     return found
 
 
-def _fits(problem: Problem, starts: list[tuple[tuple[Effect, ...], Array]], rounds: int, hopeless: float = np.inf) -> list[Fit]:
+def _fits(problem: Problem, starts: list[Start], rounds: int, hopeless: float = np.inf) -> list[Fit]:
     found = []
     for effects, unknown in starts:
         with contextlib.suppress(InputError, SolveError):

@@ -56,13 +56,20 @@ def spread_of(effect: Effect, setup: Setup) -> list[Effect]:
     what stands in the place of a value of the model.
     """
     strengths = effect.strengths()
-    if effect.replaces and len(strengths) == 1 and (rest := effect.parameters()[strengths[0]].at_rest(setup, effect.member)) > 0.0:
+    if scanned(effect, setup):
+        rest = effect.parameters()[strengths[0]].at_rest(setup, effect.member)
         return [bounded(dataclasses.replace(effect, **{strengths[0]: rest * factor}), setup) for factor in INSTEAD.tolist()]
     if len(strengths) != 2 or effect.stage == "flank":
         return shapes_of(effect, setup)
     sizes = itertools.product(EITHER, repeat=2)
     both = (tuple(size * getattr(effect, field) for size, field in zip(pair, strengths, strict=True)) for pair in sizes if any(pair))
     return [bounded(dataclasses.replace(effect, **dict(zip(strengths, values, strict=True))), setup) for values in both]
+
+
+def scanned(effect: Effect, setup: Setup) -> bool:
+    """Return whether an effect is tried at many strengths in a row: one that stands in the place of a value of the model."""
+    strengths = effect.strengths()
+    return effect.replaces and len(strengths) == 1 and effect.parameters()[strengths[0]].at_rest(setup, effect.member) > 0.0
 
 
 def stands(effect: Effect) -> bool:

@@ -17,6 +17,7 @@ from gearfem.definition.setup import Member
 from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, likely_teeth, prove, read_campaign, write_diagnosis
 from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.rank import lowest
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.write import as_json
 from gearfem.effects.catalogue import catalogue
@@ -140,6 +141,11 @@ def test_derivatives_are_those_of_the_effects_and_not_of_index_errors_that_were_
     change = (point.residual - problem.at((ahead,), start).residual) / step
     assert np.abs(point.unknown[problem.unknowns.late]).max() > 0.2
     assert np.linalg.norm(jacobian(problem, point)[:, 0] - change) < 0.03 * np.linalg.norm(change)
+
+
+def test_a_scan_is_fitted_from_its_pits_alone() -> None:
+    assert lowest([3.0, 1.0, 2.0, 5.0, 4.0]) == [1, 4]
+    assert lowest([1.0, 2.0, np.inf, 7.0, np.inf]) == [0, 3]
 
 
 def test_an_effect_of_one_tooth_stands_out_of_what_all_others_look_like() -> None:

@@ -110,6 +110,18 @@ def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> Non
     assert waves_of(np.cos(2.0 * turn) + 3.0 + np.cos(5.0 * turn)) == pytest.approx(np.cos(2.0 * turn), abs=1e-12, rel=0.0)
 
 
+def test_errors_of_the_model_that_do_the_work_of_an_effect_close_no_gap(found: Diagnosis) -> None:
+    problem, fit = found.problem, found.naming.alone
+
+    def with_bodies(moved: float) -> Fit:
+        unknown = np.zeros_like(fit.point.unknown)
+        unknown[problem.unknowns.wrong][1] = moved
+        return dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
+
+    assert closure(with_bodies(2.9), with_bodies(0.0), problem) == pytest.approx(0.0, abs=1e-9)
+    assert closure(with_bodies(8.0), with_bodies(0.0), problem) > 0.2
+
+
 def _barred(found: Diagnosis, *effects: Effect, doubt: float = 0.0) -> str:
     """Return why effects may not be named, if each parameter is so far in doubt."""
     deviations = tuple(dict.fromkeys(effect.fitted(), doubt) for effect in effects)

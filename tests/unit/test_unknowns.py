@@ -57,6 +57,17 @@ def test_settings_are_found_again_from_their_unknowns() -> None:
     assert sorted([*range(unknowns.first_form)[unknowns.late], *unknowns.wavy]) == [*range(10, 130)]
 
 
+def test_what_motions_alone_say_much_of_can_be_put_back_by_itself() -> None:
+    records = (record("pinion_angular_acceleration"), record("static_transmission_error"))
+    campaign = Campaign(name="a", path="a.toml", model="m.toml", setup=SETUP, angle_known=False, records=records)
+    unknowns = unknowns_of(campaign, records, Scatter(), VARIANTS)
+    unknown = np.ones(unknowns.wrong.stop)
+    back = unknowns.resting(unknown)
+    moved = [unknowns.nuisances[place].name for place in np.flatnonzero(back != unknown)]
+    assert moved == ["inertia_scale", "damping_scale", "series_compliance"]
+    assert unknowns_of(campaign, records[1:], Scatter()).moving == []
+
+
 def test_only_records_with_an_unknown_constant_have_one() -> None:
     records = (record("pinion_angular_acceleration"), record("static_transmission_error"))
     campaign = Campaign(name="a", path="a.toml", model="m.toml", setup=SETUP, angle_known=True, records=records)
