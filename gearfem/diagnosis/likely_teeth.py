@@ -11,6 +11,7 @@ from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.shapes import bounded
+from gearfem.diagnosis.standing_out import standing_out
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 
@@ -18,9 +19,8 @@ from gearfem.foundation import Array, InputError, SolveError
 PER_PITCH = 48
 # Places between root and tip at which something narrow is tried, and those about each to which what is felt of it is moved along.
 PLACES, ASIDE = 8, 6
-# Teeth that are looked at in full, of each effect of one tooth; and by how much more an effect must explain there than it would on any
-# tooth that is none of them nor next to one: less is what teeth are like.
-TEETH, STANDS_OUT = 2, 3.0
+# Teeth on either side that an effect of one tooth reaches.
+ASIDE_TEETH = 1
 
 
 def starts_of(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[Effect]:
@@ -42,21 +42,7 @@ def starts_of(problem: Problem, base: Fit, kind: type[Effect], member: Member) -
                 if gain >= likeliest.get(tooth, (0.0, first))[0]:
                     likeliest[tooth] = gain, dataclasses.replace(effect, tooth=tooth)  # type: ignore[call-arg]
     gains = np.array([likeliest[tooth][0] for tooth in range(len(likeliest))])
-    return [likeliest[tooth][1] for tooth in standing_out(gains)]
-
-
-def standing_out(gains: Array) -> list[int]:
-    """Return the teeth of a gear on which an effect would explain most, if they stand out, the best first; at most `TEETH`.
-
-    Parameters
-    ----------
-    gains : ndarray, shape (z,)
-        What it would explain on each tooth: what waviness and errors of our own model look like, they look like on several.
-    """
-    first = [int(tooth) for tooth in np.argsort(-gains)[:TEETH]]
-    beside = {(tooth + step) % len(gains) for tooth in first for step in (-1, 0, 1)}
-    usual = max((gain for tooth, gain in enumerate(gains.tolist()) if tooth not in beside), default=0.0)
-    return [tooth for tooth in first if gains[tooth] > STANDS_OUT * usual]
+    return [likeliest[tooth][1] for tooth in standing_out(gains, ASIDE_TEETH)]
 
 
 def _places(effect: Effect, setup: Setup) -> Iterator[tuple[Effect, list[Effect], Array]]:
@@ -96,7 +82,7 @@ def late_tooth(problem: Problem, base: Fit, kind: type[Effect], member: Member) 
         return []
     setup, late = problem.campaign.setup, base.settings.pinion_late if member == "pinion" else base.settings.wheel_late
     usual = float(np.median(late))
-    tooth, *_ = (*standing_out((late - usual) ** 2), -1)
+    tooth, *_ = (*standing_out((late - usual) ** 2, ASIDE_TEETH), -1)
     if tooth < 0:
         return []
     first = dataclasses.replace(kind.example(setup, member), tooth=tooth)  # type: ignore[call-arg]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import copy
 import dataclasses
 from collections.abc import Iterator, Sequence
@@ -65,17 +64,20 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         except (InputError, SolveError):
             return None
 
-    def fitted(fit: Fit) -> tuple[tuple[Effect, ...], Array]:
-        with contextlib.suppress(InputError, SolveError):
-            fit = again(copy.copy(part), fit.effects, fit.point.stood, TIMES)
-        return fit.effects, _to_motions(problem, alone, fit)
+    def fitted(fit: Fit) -> Fit:
+        try:
+            return again(copy.copy(part), fit.effects, fit.point.stood, TIMES)
+        except (InputError, SolveError):
+            return fit
 
     found, words = [], "effects in the place of nuisances"
     for number, fit in enumerate(side_by_side(looked_at, jobs)):
         progress(words, number, len(jobs))
         found += [fit] if fit is not None else []
     progress(words, len(jobs), len(jobs))
-    return list(side_by_side(fitted, sorted(found, key=lambda fit: fit.objective)[:MOST]))
+    nearest = side_by_side(fitted, sorted(found, key=lambda fit: fit.objective)[:MOST])
+    ranked = sorted(nearest, key=lambda fit: fit.objective)
+    return list(side_by_side(lambda fit: (fit.effects, _to_motions(problem, alone, fit)), ranked))
 
 
 def _to_motions(problem: Problem, alone: Fit, fit: Fit) -> Array:

@@ -10,15 +10,14 @@ import numpy as np
 
 from gearfem.diagnosis.candidate import View
 from gearfem.diagnosis.shapes import bounded
+from gearfem.diagnosis.standing_out import standing_out
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, SolveError
 
 # Orders that are tried where an effect has one, and the strength at which responses count as linear, in typical ones.
 ORDERS, PROBE = tuple(float(order) for order in range(1, 11)), 0.1
-# Orders that are looked at as they stand, and at which multiples of their strengths: where flanks part, the linear ones fall short.
-LIKELIEST, MULTIPLES = 2, (1.0, 2.0)
-# By how much more a wave must explain than one of the next best order would: motions whose flanks part change their branch at any.
-STANDS_OUT = 3.0
+# Multiples of their strengths at which orders are looked at as they stand: where flanks part, the linear ones fall short.
+MULTIPLES = (1.0, 2.0)
 
 
 def turns(effect: Effect) -> bool:
@@ -51,14 +50,9 @@ def turned(view: View, start: Effect) -> list[Effect]:
         with contextlib.suppress(InputError, SolveError):
             found.append(_wave(view, order))
     setup = view.problem.campaign.setup
-    return [bounded(effect.scaled(multiple, setup), setup) for effect in standing_out(found) for multiple in MULTIPLES]
-
-
-def standing_out(found: list[tuple[float, Effect]]) -> list[Effect]:
-    """Return the waves that explain most of what each order would, the best first: those that stand out of all others."""
-    ranked = sorted((item for item in found if item[0] > 0.0), key=lambda item: -item[0])
-    usual = ranked[LIKELIEST][0] if len(ranked) > LIKELIEST else 0.0
-    return [effect for gain, effect in ranked[:LIKELIEST] if gain > STANDS_OUT * usual]
+    # Motions whose flanks part take another branch for a wave of any order.
+    likeliest = [found[place][1] for place in standing_out(np.array([gain for gain, _ in found]))]
+    return [bounded(effect.scaled(multiple, setup), setup) for effect in likeliest for multiple in MULTIPLES]
 
 
 def _orders(start: Effect) -> list[Effect]:

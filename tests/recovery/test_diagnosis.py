@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from gearfem.assembly import assemble
 from gearfem.cli import main
 from gearfem.definition.setup import Member
-from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, likely_teeth, prove, read_campaign, write_diagnosis
+from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, likely_teeth, prove, read_campaign, standing_out, write_diagnosis
 from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import lowest
@@ -148,14 +148,6 @@ def test_a_scan_is_fitted_from_its_pits_alone() -> None:
     assert lowest([1.0, 2.0, np.inf, 7.0, np.inf]) == [0, 3]
 
 
-def test_an_effect_of_one_tooth_stands_out_of_what_all_others_look_like() -> None:
-    gains = np.array([10.0, 60.0, 167.0, 70.0, 9.0, 22.0, 8.0, 19.0])
-    assert likely_teeth.standing_out(gains) == [2, 3]
-    # A third tooth where it explains half as much: waviness, or an error of the model.
-    assert likely_teeth.standing_out(np.where(gains > 15.0, 80.0, gains)) == []
-    assert likely_teeth.standing_out(np.array([0.0, 0.0, 5.0, 0.0, 0.0])) == [2]
-
-
 def test_places_at_which_a_shape_cannot_be_computed_are_left_out(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
     over = likely_teeth._over_a_turn
 
@@ -164,7 +156,7 @@ def test_places_at_which_a_shape_cannot_be_computed_are_left_out(found: Diagnosi
             raise InputError("depth1", "-1", "0 or more")
         return over(problem, base, effects, member)
 
-    monkeypatch.setattr(likely_teeth, "STANDS_OUT", 0.0)
+    monkeypatch.setattr(standing_out, "STANDS_OUT", 0.0)
     assert likely_teeth.starts_of(found.problem, found.naming.alone, Pitting, "pinion")
     monkeypatch.setattr(likely_teeth, "_over_a_turn", refuse)
     assert likely_teeth.starts_of(found.problem, found.naming.alone, Pitting, "pinion") == []

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from gearfem.diagnosis import parameters
-from gearfem.diagnosis.turning import MULTIPLES, standing_out, turned, turns
+from gearfem.diagnosis.turning import MULTIPLES, turned, turns
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
 from gearfem.effects.runout import Runout
@@ -32,14 +32,6 @@ def test_an_order_beyond_the_first_few_is_found_with_its_phase(tmp_path: Path) -
     assert first.phase == pytest.approx(-2.5, rel=0.0, abs=0.1)
     # A place to start from: index errors have taken part of it, and at a low torque, where few pairs touch, all this bends.
     assert first.amplitude == pytest.approx(2.0, rel=0.25, abs=0.0)
-
-
-def test_an_order_that_explains_no_more_than_any_other_is_none() -> None:
-    waves = [TorqueRipple(gear="pinion", order=float(order), amplitude=1.0, phase=0.0) for order in range(1, 6)]
-    assert standing_out(list(zip((2.0, 170.0, 0.0, 5.0, 4.0), waves, strict=True))) == [waves[1]]
-    # Motions whose flanks part take another branch for any wave.
-    assert standing_out(list(zip((280.0, 300.0, 110.0, 150.0, 90.0), waves, strict=True))) == []
-    assert standing_out(list(zip((3.0, 1.0), waves[:2], strict=True))) == waves[:2]
 
 
 def test_an_order_is_chosen_and_not_fitted() -> None:
