@@ -106,7 +106,8 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     Returns
     -------
     Problem
-        Records over the teeth of a gear, which hold nothing that all teeth share, are left out.
+        Records over the teeth of a gear, which hold nothing that all teeth share, are left out; so is the largest Kw of turns beside other
+        motions, which costs most and is missed by so much that it adds nothing.
 
     Notes
     -----
@@ -116,7 +117,9 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     to tooth, and so far smaller: see `SLOW` and its neighbours.
     """
     campaign = problem.campaign
-    kept = [i for i, record in enumerate(problem.records) if record.quantity.axis != "tooth"]
+    moving = any(record.quantity.moving and all_but_largest(record.quantity) for record in problem.records)
+    over = (i for i, record in enumerate(problem.records) if record.quantity.axis != "tooth")
+    kept = [i for i in over if not moving or all_but_largest(problem.records[i].quantity)]
     records = tuple(problem.records[i] for i in kept)
     noises = tuple(_mean(record, problem.noises[i], campaign) for record, i in zip(records, kept, strict=True))
 
@@ -192,12 +195,19 @@ def stand(problem: Problem, fit: Fit, teeth: Problem, single: Fit) -> Fit:
     )
 
 
+def whole(problem: Problem, means: Fit, single: Fit) -> Fit:
+    """Return the fit of all records row by row, the largest Kw of turns included, from one of the means and of single teeth under it."""
+    teeth = of_single_teeth(problem, means.settings, means.effects)
+    return stand(problem, means, teeth, teeth.fit(single.effects, teeth.prepare(single.effects, single.point.stood), rounds=0))
+
+
 def teeth_under(problem: Problem, settings: Settings, effects: tuple[Effect, ...], which: Which = every) -> tuple[Problem, Fit]:
     """Return the problem of single teeth under settings and effects that stand, see `of_single_teeth`, and its fit without further ones."""
     teeth = of_single_teeth(problem, settings, effects, which)
     fit = again(teeth, (), np.zeros(teeth.unknowns.wrong.stop), TIMES)
     teeth.remember(fit)
-    return teeth, fit
+    # Errors of the model that stay alike over many rows cost less: what further effects gain is counted from what this one costs then.
+    return teeth, teeth.fit((), fit.point.stood, rounds=1)
 
 
 def _mean(record: Measurement, noise: Noise, campaign: Campaign) -> Noise:

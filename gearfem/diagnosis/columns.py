@@ -7,7 +7,6 @@ import numpy as np
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.largest import EXPECTED_RISE, at_peaks
-from gearfem.diagnosis.marginal import Marginal, marginal
 from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import slopes
@@ -23,7 +22,7 @@ LEAST = 0.01
 
 def make_columns(
     records: tuple[Measurement, ...], noises: tuple[Noise, ...], unknowns: Unknowns, bench: SystemBench, unknown: Array
-) -> tuple[tuple[Array, ...], Marginal, tuple[Array, ...]]:
+) -> tuple[tuple[Array, ...], tuple[Array, ...], tuple[Array, ...]]:
     """Return the columns of records at a point.
 
     Parameters
@@ -41,7 +40,7 @@ def make_columns(
     -------
     tuple of ndarray, shapes (n, i)
         Of each record over the inner unknowns in prior deviations [SI]: constants, teeth, model form, rise of the largest Kw.
-    Marginal
+    tuple of ndarray, shapes (m_r, i + outer)
         The same whitened, and the outer unknowns behind them: scales and the zero of the angle.
     tuple of ndarray, shapes (n,)
         What waviness is expected to add to the largest Kw of a turn, in parts of Kw - 1; 0 in all other records.
@@ -56,7 +55,7 @@ def make_columns(
         inner.append(linear)
         rises.append(rise)
         whole.append(noise.whitener.apply(np.concatenate([linear, outer], axis=1)))
-    return tuple(inner), marginal(tuple(whole)), tuple(rises)
+    return tuple(inner), tuple(whole), tuple(rises)
 
 
 def _inner(record: Measurement, number: int, unknowns: Unknowns, bench: SystemBench, settings: Settings, here: Array) -> Array:

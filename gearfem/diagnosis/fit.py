@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from gearfem.definition.setup import Setup
 from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.marginal import WEIGHED
@@ -273,20 +272,27 @@ def _deviations(problem: Problem, point: Point, derivatives: Array) -> tuple[dic
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     inverse = np.linalg.pinv(scale[:, None] * gram * scale, rcond=1e-12, hermitian=True)
     deviation = iter(scale * np.sqrt(np.maximum(np.diag(inverse), 0.0)))
-    setup = problem.campaign.setup
-    return tuple({field: math.hypot(float(next(deviation)), part) for field, part in _inexact(one, setup).items()} for one in point.effects)
+    inexact = (_inexact(effect, problem) for effect in point.effects)
+    return tuple({field: math.hypot(float(next(deviation)), part) for field, part in parts.items()} for parts in inexact)
 
 
-def _inexact(effect: Effect, setup: Setup) -> dict[str, float]:
-    """Return how far parameters may be off since no real effect has quite the form of its name: a tenth of what it amounts to.
+def _inexact(effect: Effect, problem: Problem) -> dict[str, float]:
+    """Return how far parameters may be off by what no record tells, in coordinates in which effects are smooth.
 
-    In coordinates in which effects are smooth. Of depths at several places that is the largest one; nothing for where and how it acts.
+    No real effect has quite the form of its name: a tenth of what it amounts to. Of depths at several places that is the largest one;
+    nothing for where and how it acts. And what the model has of it before was as unknown as the nuisance, or error of the model, that does
+    the same.
     """
+    setup = problem.campaign.setup
     known, largest, strengths = effect.fitted(), dict[str, float](), parameters.strengths(effect, setup)
     for field, strength in strengths.items():
         unit = known[field].unit
         largest[unit] = max(largest.get(unit, 0.0), strength)
-    return {field: SHAPE * largest[one.unit] if field in strengths else 0.0 for field, one in known.items()}
+    served = [one for one in problem.stand_ins if one.serves(effect)]
+    return {
+        field: math.hypot(SHAPE * largest[one.unit], *(way.doubt(effect, field) for way in served)) if field in strengths else 0.0
+        for field, one in known.items()
+    }
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 
-from gearfem.diagnosis.averages import all_but_largest, averaged, has_means, of_single_teeth, shows_in_means, slow, stand, teeth_under
+from gearfem.diagnosis.averages import all_but_largest, averaged, has_means, shows_in_means, slow, teeth_under, whole
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label
@@ -49,15 +49,15 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         return select(problem, alone, kinds, progress)
     mean = averaged(problem, alone.settings)
     base = again(mean, (), mean.unknowns.of(alone.settings))
-    whole, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
-    first = _told_apart(problem, mean, select(mean, base, whole, progress), progress)
+    common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
+    first = _told_apart(problem, mean, select(mean, base, common, progress), progress)
     second = _of_teeth(problem, first.fit, single, progress)
     if second.fit.effects and (first.fit.effects or first.verdict == "unexplained"):
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
         settings, known = second.fit.settings, second.fit.effects
         mean = averaged(problem, settings, known)
         base = again(mean, (), mean.unknowns.of(settings))
-        first = _told_apart(problem, mean, select(mean, base, whole, progress), progress)
+        first = _told_apart(problem, mean, select(mean, base, common, progress), progress)
     elif first.fit.effects:
         first = _anew(problem, first, second, progress)
     return _joined(problem, alone, first, second)
@@ -141,7 +141,7 @@ def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Nami
     """Return one verdict from that on the means and that on single teeth."""
     best = (*first.best.effects, *second.best.effects)
     named = [one for one in (first, second) if one.fit.effects]
-    fit = _whole(problem, first.fit, second.fit) if named else alone
+    fit = whole(problem, first.fit, second.fit) if named else alone
     verdict = _verdict(first.verdict, second.verdict, second.left)
     closed = max((one.closed for one in named), default=max(first.closed, second.closed))
     if not named:
@@ -167,12 +167,6 @@ def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Nami
             *(f"Single teeth: {reason}" for reason in second.reasons),
         ),
     )
-
-
-def _whole(problem: Problem, means: Fit, single: Fit) -> Fit:
-    """Return the fit of all records row by row, the largest Kw of turns included, from one of the means and of single teeth under it."""
-    teeth = of_single_teeth(problem, means.settings, means.effects)
-    return stand(problem, means, teeth, teeth.fit(single.effects, teeth.prepare(single.effects, single.point.stood), rounds=0))
 
 
 def _verdict(means: Verdict, teeth: Verdict, left: float) -> Verdict:

@@ -14,10 +14,11 @@ from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.columns import make_columns
 from gearfem.diagnosis.fit import ROUNDS, Fit, fit
-from gearfem.diagnosis.marginal import Marginal, memory_of, profile
+from gearfem.diagnosis.marginal import Marginal, marginal, memory_of, profile
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.parameters import unlikely
 from gearfem.diagnosis.point import Point
+from gearfem.diagnosis.stand_ins import stand_ins
 from gearfem.diagnosis.straying import beyond
 from gearfem.diagnosis.system_bench import SystemBench, bench_of
 from gearfem.diagnosis.teeth import Scatter
@@ -66,6 +67,8 @@ class Problem:
         Under which it was prepared last.
     columns : tuple of ndarray, shapes (n, i)
         Of each record over the inner unknowns in prior deviations [SI], once prepared.
+    stand_ins : tuple of StandIn
+        Unknowns that do just what an effect does: beside it they are 0, or the two would be one too many.
     scales, held_columns : ndarray, shapes (m, outer), (m, h)
         Of all whitened rows over the outer unknowns, and over those inner ones that predictions hold.
     rise : tuple of ndarray, shapes (n,)
@@ -100,6 +103,7 @@ class Problem:
         self.bench: BenchOf = bench or (lambda effects: bench_of(campaign, effects))
         self.unknowns = unknowns or unknowns_of(campaign, records, scatter or Scatter(), self.bench(()).errors)
         self.nuisances = self.unknowns.nuisances
+        self.stand_ins = stand_ins(self.unknowns, campaign.setup)
         self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
         self.memory = np.ones(len(records))
         self.rise = tuple(np.zeros(len(record.axis)) for record in records)
@@ -149,13 +153,35 @@ class Problem:
         ndarray, shape (k,)
             The unknowns, completed by zeros where there were fewer.
         """
-        self.effects = effects
-        self.columns, self.whole, self.rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
-        inner = self.columns[0].shape[1]
+        self.effects, unknown = effects, self._beside(effects, unknown)
+        columns, white, self.rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
+        self._take(columns, white, self._served(effects))
+        return np.concatenate([unknown, np.zeros(self.outer + columns[0].shape[1] - len(unknown))])
+
+    def _take(self, columns: tuple[Array, ...], white: tuple[Array, ...], still: list[int]) -> None:
+        """Take over columns of the inner unknowns, and white ones of all, those at some places being none."""
+        inner = columns[0].shape[1]
+        if still:
+            acts = np.ones(inner + self.outer)
+            acts[[place - self.outer if place >= self.outer else inner + place for place in still]] = 0.0
+            columns, white = tuple(part * acts[:inner] for part in columns), tuple(part * acts for part in white)
+        self.columns, self.whole = columns, marginal(white)
         self.linear = self.whole.first(inner)
-        self.scales = np.concatenate([part[:, inner:] for part in self.whole.columns])
+        self.scales = np.concatenate([part[:, inner:] for part in white])
         self.held_columns = np.concatenate([part[:, self.unknowns.held - self.outer] for part in self.linear.columns])
-        return np.concatenate([unknown, np.zeros(self.outer + inner - len(unknown))])
+
+    def _served(self, effects: tuple[Effect, ...]) -> list[int]:
+        """Return the places of the unknowns that do just what effects do."""
+        return [one.place for one in self.stand_ins if any(one.serves(effect) for effect in effects)]
+
+    def _beside(self, effects: tuple[Effect, ...], unknown: Array) -> Array:
+        """Return unknowns, those at 0 that do just what effects do."""
+        served = self._served(effects)
+        if not served:
+            return unknown
+        found = unknown.copy()
+        found[[place for place in served if place < len(found)]] = 0.0
+        return found
 
     def remember(self, fit: Fit) -> None:
         """Take over how many rows the errors of the model stay alike from what a fit leaves; a gear off the rig has none but its shape."""
@@ -180,6 +206,7 @@ class Problem:
         rounds : int
             Rounds in which given weights are brought up to what each record deserves here.
         """
+        unknown = self._beside(effects, unknown)
         predicted = self.predict(effects, unknown)
         outer = unknown[: self.outer]
         within = self.unknowns.within(unknown)
@@ -281,7 +308,11 @@ class Problem:
 
     def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
         """Fit the parameters of effects and all nuisances, see `gearfem.diagnosis.fit.fit`."""
-        return fit(self, effects, unknown, rounds, hopeless)
+        here = self
+        if served := self._served(effects):
+            here = copy.copy(self)
+            here._take(self.columns, self.whole.columns, served)
+        return fit(here, effects, unknown, rounds, hopeless)
 
 
 def _floor(record: Measurement, noise: Noise) -> float:

@@ -8,11 +8,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gearfem.assembly import assemble
 from gearfem.diagnosis.approach import EDGES, LOST, part_of, tuned, unwound
 from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit, again
-from gearfem.diagnosis.nuisances import Nuisance
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.shapes import bounded, shapes_of, stands
 from gearfem.diagnosis.side_by_side import side_by_side
@@ -20,7 +18,6 @@ from gearfem.diagnosis.straying import beyond
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress
-from gearfem.variants import Variant
 
 # Rounds in which each effect is looked at, how many are worth a fit to all records, and times that the slow records are prepared anew for
 # each of these.
@@ -92,12 +89,11 @@ def _to_motions(problem: Problem, alone: Fit, fit: Fit) -> Array:
 
 def in_place(problem: Problem, unknown: Array, candidates: Sequence[Candidate]) -> Iterator[tuple[tuple[Effect, ...], Array]]:
     """Yield the candidate that would do what each scale or error of the model that strays does, and the unknowns (k,) without this."""
-    setup, unknowns, kinds = problem.campaign.setup, problem.unknowns, {type(candidate.effect) for candidate in candidates}
-    system, ways = assemble(setup), dict[int, Nuisance | Variant](enumerate(unknowns.errors, unknowns.wrong.start))
-    for place, way in ({place: unknowns.nuisances[place] for place in unknowns.scales} | ways).items():
-        if way.cause is None or not beyond(unknown[place]):
+    kinds = {type(candidate.effect) for candidate in candidates}
+    for one in problem.stand_ins:
+        if not beyond(unknown[one.place]):
             continue
-        effect, without = way.cause(system, way.value(float(unknown[place]))), unknown.copy()
-        without[place] = 0.0
+        effect, without = one.cause(float(unknown[one.place])), unknown.copy()
+        without[one.place] = 0.0
         if isinstance(effect, Effect) and type(effect) in kinds:
-            yield (bounded(effect, setup),), without
+            yield (bounded(effect, problem.campaign.setup),), without

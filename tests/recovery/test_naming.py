@@ -49,7 +49,7 @@ def test_what_is_missing_all_over_has_no_form(found: Diagnosis) -> None:
 def test_a_frequency_is_in_doubt_by_a_tenth_too(found: Diagnosis) -> None:
     """It is smooth in its reciprocal, in which the doubt is."""
     effect = SensorResonance(frequency=1200.0, ratio=0.1)
-    doubt = _inexact(effect, found.problem.campaign.setup)
+    doubt = _inexact(effect, found.problem)
     assert stderr(effect, "frequency", doubt["frequency"]) == pytest.approx(120.0, rel=1e-9, abs=0.0)
     assert doubt["ratio"] == 0.0
 

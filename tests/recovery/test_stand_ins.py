@@ -1,0 +1,55 @@
+"""Scales and errors of the model that do just what an effect does: none of them beside it, and its value as unknown as they are."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from gearfem.diagnosis import Diagnosis
+from gearfem.diagnosis.stand_ins import stand_ins
+from gearfem.effects.body_compliance import BodyCompliance
+from gearfem.effects.contact_compliance import ContactCompliance
+from gearfem.effects.effect import Effect
+from gearfem.effects.lead_misalignment import LeadMisalignment
+from gearfem.effects.sensor_gain import SensorGain
+from gearfem.effects.tip_relief import TipRelief
+from gearfem.foundation.units import MM, UM
+
+
+def test_beside_an_effect_what_does_the_same_is_not_there(found: Diagnosis) -> None:
+    problem, effects = found.problem, (ContactCompliance(scale=1.5), SensorGain(scale=1.1))
+    names = [*(nuisance.name for nuisance in problem.nuisances), *(variant.name for variant in problem.unknowns.errors)]
+    places = np.array([*range(problem.outer), *range(problem.unknowns.wrong.start, problem.unknowns.wrong.stop)])
+    served = [names.index("gain"), names.index("contact_scale")]
+    unknown = np.zeros_like(found.naming.fit.point.unknown)
+    unknown[places[served]] = 1.0
+    start = problem.prepare(effects, unknown)
+    assert np.flatnonzero(start).size == 0
+    there = problem.fit(effects, unknown, rounds=1).point.unknown[places]
+    assert there[served].tolist() == [0.0, 0.0]
+    assert np.count_nonzero(there) > len(places) // 2
+    # Columns made without the effects say the same.
+    problem.prepare((), unknown)
+    assert problem.fit(effects, unknown, rounds=1).point.unknown[places[served]].tolist() == [0.0, 0.0]
+    assert problem.at((), unknown).stood[places[served]].tolist() == [1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("effect", "field", "doubt"),
+    [
+        (ContactCompliance(scale=3.0), "scale", 3.0 * 0.5),
+        (BodyCompliance(scale=2.0), "scale", 2.0 * 0.2),
+        (SensorGain(scale=0.5), "scale", 0.5 * math.expm1(0.02)),
+        (LeadMisalignment(slope=20.0 * UM), "slope", 1.0 * UM),
+    ],
+)
+def test_an_effect_is_as_unknown_as_what_does_the_same(found: Diagnosis, effect: Effect, field: str, doubt: float) -> None:
+    (one,) = (one for one in found.problem.stand_ins if one.serves(effect))
+    assert one.doubt(effect, field) == pytest.approx(doubt, rel=1e-9, abs=0.0)
+
+
+def test_a_shape_of_a_flank_has_no_stand_in(found: Diagnosis) -> None:
+    relief = TipRelief(gear="pinion", amount=3.0 * UM, length=2.0 * MM)
+    assert not any(one.serves(relief) for one in stand_ins(found.problem.unknowns, found.campaign.setup))
