@@ -17,7 +17,8 @@ from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.noise import Noise
-from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.pitch_point import turned_round
+from gearfem.diagnosis.problem import BenchOf, Problem
 from gearfem.diagnosis.quantities import Quantity
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
@@ -28,9 +29,10 @@ from gearfem.foundation import Array, Record
 
 # Places of the pitch between which a mean over pitches runs in straight lines.
 PLACES = 48
-# Part of a mean that a model may miss though nothing is missing from it: of slow records, of motions, of a mesh stiffness and of the
-# largest Kw of a turn, which waviness raises. Healthy pairs of other simulators leave slow means within noise, and 0.5 to 3.4 % of motions.
-SLOW, MOVING, JUMPING, LARGEST = 0.003, 0.03, 0.10, 0.25
+# Part of a mean that a model may miss though nothing is missing from it: of slow records, of motions, of those whose flanks part, which
+# take another way for next to nothing, of a mesh stiffness and of the largest Kw of a turn, which waviness raises. Healthy pairs of other
+# simulators leave slow means within noise, and 0.5 to 3.4 % of motions.
+SLOW, MOVING, PARTING, JUMPING, LARGEST = 0.003, 0.03, 0.2, 0.10, 0.25
 # Times that index errors and waviness are fitted anew: they are all but linear.
 TIMES = 3
 # What index errors may be off where they stand still [m], and the least that single teeth do to a mean, in deviations of its noise.
@@ -127,13 +129,14 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
         return problem.bench((*effects, *further))
 
     scatter = problem.unknowns.scatter
-    scatter = dataclasses.replace(scatter, rest=_rest(records, noises, bench(()), settings, scatter))
+    scatter = dataclasses.replace(scatter, rest=_rest(records, noises, bench, settings, scatter))
     level = dataclasses.replace(neutral(campaign.setup.pair), pinion_late=settings.pinion_late, wheel_late=settings.wheel_late)
     unknowns = unknowns_of(campaign, records, scatter, problem.unknowns.errors, level=level)
     found = Problem(campaign, records, noises, bench=bench, unknowns=unknowns)
     found.wander = found.least = WANDER
     found.counts = np.array([float(len(noise.whitener.apply(record.value))) for record, noise in zip(records, noises, strict=True)])
-    found.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
+    usual = bench(())
+    found.floor = np.array([_floor(record, noise, _parts(record, usual, settings)) for record, noise in zip(records, noises, strict=True)])
     return found
 
 
@@ -225,23 +228,48 @@ def _mean(record: Measurement, noise: Noise, campaign: Campaign) -> Noise:
 
 
 def _rest(
-    records: tuple[Measurement, ...], noises: tuple[Noise, ...], bench: SystemBench, settings: Settings, scatter: Scatter
+    records: tuple[Measurement, ...], noises: tuple[Noise, ...], bench: BenchOf, settings: Settings, scatter: Scatter
 ) -> dict[str, Array]:
-    """Return what single teeth still do to the means of records, by file [SI], shapes (n, r): strongest combinations, at one deviation."""
-    sizes = dataclasses.replace(scatter, index=INDEX).deviations(bench.pair)
-    columns = [tooth_columns(record, bench, settings, scatter) * sizes for record in records]
+    """Return what means may miss of a model that is right, by file [SI], shapes (n, r), at one deviation.
+
+    The strongest combinations of what single teeth still do to all, and of each slow one where friction turns round.
+    """
+    usual = bench(())
+    sizes = dataclasses.replace(scatter, index=INDEX).deviations(usual.pair)
+    columns = [tooth_columns(record, usual, settings, scatter) * sizes for record in records]
     white = np.concatenate([noise.whitener.apply(part) for noise, part in zip(noises, columns, strict=True)])
     _, strength, ways = np.linalg.svd(white, full_matrices=False)
     ways = ways[strength > LEAST].T
-    return {record.file: part @ ways for record, part in zip(records, columns, strict=True)}
+    own = [np.empty((len(record.axis), 0)) if not _turns_round(record) else turned_round(record, bench, settings) for record in records]
+    found, count = {}, sum(part.shape[1] for part in own)
+    for number, (record, part) in enumerate(zip(records, columns, strict=True)):
+        before = sum(one.shape[1] for one in own[:number])
+        beside = np.zeros((len(record.axis), count))
+        beside[:, before : before + own[number].shape[1]] = own[number]
+        found[record.file] = np.column_stack([part @ ways, beside])
+    return found
 
 
-def _floor(record: Measurement, noise: Noise) -> float:
+def _turns_round(record: Measurement) -> bool:
+    """Return whether a record shows the step of friction at the pitch point."""
+    return record.quantity.axis == "angle" and not record.quantity.moving and record.quantity.free_constant
+
+
+def _parts(record: Measurement, bench: SystemBench, settings: Settings) -> bool:
+    """Return whether flanks part in the motion of a record as settings have it."""
+    if not record.quantity.moving or record.quantity.axis != "angle":
+        return False
+    swing = bench.swing(record.axis + settings.angle_offset, record.pinion_torque, record.pinion_speed, settings)
+    return not swing.stiffness.all()
+
+
+def _floor(record: Measurement, noise: Noise, parts: bool) -> float:
     """Return the least mean square of the rows of a mean that a model of finite accuracy can be expected to leave."""
     name, quantity = record.quantity.name, record.quantity
     if quantity.axis == "roll":
         return 1.0
-    share = LARGEST if name == "dynamic_factor" else JUMPING if name == "mesh_stiffness" else MOVING if quantity.moving else SLOW
+    moving = PARTING if parts else MOVING
+    share = LARGEST if name == "dynamic_factor" else JUMPING if name == "mesh_stiffness" else moving if quantity.moving else SLOW
     # The mean itself of a mesh stiffness or an acceleration says nothing of how far their course may be missed.
     course = noise.whitener.apply(record.value - record.value[record.keep].mean())
     return 1.0 + share**2 * float(np.mean(course**2))

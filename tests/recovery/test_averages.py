@@ -8,17 +8,38 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import compare, read_campaign
-from gearfem.diagnosis.averages import PLACES, all_but_largest, averaged, of_single_teeth, shows_in_means, slow, stand, teeth_under
+from gearfem.diagnosis.averages import (
+    MOVING,
+    PARTING,
+    PLACES,
+    _floor,
+    _mean,
+    _parts,
+    all_but_largest,
+    averaged,
+    of_single_teeth,
+    shows_in_means,
+    slow,
+    stand,
+    teeth_under,
+)
+from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import again
 from gearfem.diagnosis.name import _told_apart, _verdict
+from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.pitch_point import turned_round
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import Naming, Rival, Verdict, gap_left
 from gearfem.effects.catalogue import catalogue
+from gearfem.effects.friction import Friction
 from gearfem.effects.sensor_gain import SensorGain
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation import Array
 from gearfem.foundation.progress import quiet
+from gearfem.foundation.units import UM
 
 from .rig import PLAN, on_the_rig
 
@@ -48,6 +69,49 @@ def test_the_mean_keeps_what_repeats_with_the_pitch_and_drops_what_does_not(scat
     assert _mean_of(scattered, np.cos(np.pi * pitches)) < 0.01
     noise = np.random.default_rng(3).normal(size=pitches.size)
     assert _mean_of(scattered, noise) == pytest.approx(PLACES / pitches.size, rel=0.5, abs=0.0)
+
+
+def test_where_friction_turns_round_within_a_sample_is_left_open(scattered: Comparison) -> None:
+    problem, pitch = scattered.problem, scattered.campaign.setup.pair.pinion.pitch_angle
+    record = dataclasses.replace(problem.records[-1], axis=np.arange(96) / 32.0 * pitch)
+    settings = dataclasses.replace(neutral(scattered.campaign.setup.pair), angle_offset=1e-7 * pitch)
+    columns = turned_round(record, problem.bench, settings)
+    # Both samples beside each pitch point, and nothing like it elsewhere.
+    assert [np.flatnonzero(column).tolist() for column in columns.T] == [[31, 63, 95], [0, 32, 64]]
+    rubbing = problem.bench((Friction(coefficient=0.05),))
+    before, after = (rubbing.predict(record, dataclasses.replace(settings, angle_offset=shift)) for shift in (-1e-7 * pitch, 1e-7 * pitch))
+    jump = after - before
+    share = np.linalg.lstsq(columns, jump, rcond=None)[0]
+    assert np.abs(jump).max() > 0.1 * UM
+    assert np.abs(jump - columns @ share).max() < 0.05 * np.abs(jump).max()
+    assert share == pytest.approx([0.0, 0.5], rel=0.0, abs=0.02)
+
+
+def test_motions_whose_flanks_part_may_be_missed_by_more(scattered: Comparison) -> None:
+    pair, bench = scattered.campaign.setup.pair, scattered.problem.bench(())
+    record = scattered.problem.records[0]
+    fast = dataclasses.replace(record, quantity=QUANTITIES["dynamic_transmission_error"], pinion_speed=500.0)
+    late = dataclasses.replace(neutral(pair), pinion_late=np.tile([60.0 * UM, 0.0], 7)[:13])
+    assert [_parts(one, bench, settings) for one, settings in ((fast, neutral(pair)), (fast, late), (record, late))] == [False, True, False]
+    noise = scattered.problem.noises[0]
+    mean = _mean(fast, noise, scattered.campaign)
+    held, parted = (_floor(fast, mean, parts) for parts in (False, True))
+    assert (parted - 1.0) / (held - 1.0) == pytest.approx((PARTING / MOVING) ** 2, rel=1e-9, abs=0.0)
+
+
+def test_the_largest_kw_of_turns_is_none_of_the_means_beside_other_motions(scattered: Comparison) -> None:
+    problem = scattered.problem
+    slow_one = problem.records[0]
+    sweep = dataclasses.replace(
+        slow_one, file="kw.csv", quantity=QUANTITIES["dynamic_factor"], axis=np.array([50.0, 60.0]), value=np.array([1.1, 1.2])
+    )
+    sweep = dataclasses.replace(sweep, keep=np.ones(2, bool))
+    moving = dataclasses.replace(slow_one, file="te.csv", quantity=QUANTITIES["dynamic_transmission_error"], pinion_speed=100.0)
+    noises = tuple(measure_noise(one, scattered.campaign.setup.pair) for one in (slow_one, moving, sweep))
+    for records, files in (((slow_one, moving, sweep), [slow_one.file, "te.csv"]), ((slow_one, sweep), [slow_one.file, "kw.csv"])):
+        kept = tuple(noises[(slow_one, moving, sweep).index(one)] for one in records)
+        whole = Problem(problem.campaign, records, kept, Scatter(terms=2), problem.bench)
+        assert [one.file for one in averaged(whole, scattered.alone.settings).records] == files
 
 
 def test_means_of_a_healthy_pair_are_met_within_noise(scattered: Comparison) -> None:
