@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -80,9 +81,17 @@ def strengths(effect: Effect, setup: Setup) -> dict[str, float]:
     return {field: abs(known[field].coordinate(value) - known[field].coordinate(rest)) for field, (value, rest) in both.items()}
 
 
-def faint(effect: Effect, deviations: Mapping[str, float], setup: Setup) -> bool:
-    """Return whether no strength of an effect is surely one, by the standard deviations of its parameters."""
-    return all(strength < SURE * deviations[field] for field, strength in strengths(effect, setup).items())
+def faint(effect: Effect, deviations: Mapping[str, float], setup: Setup, multiplies: bool = False) -> bool:
+    """Return whether no strength of an effect is surely one, by the standard deviations of its parameters.
+
+    Of an effect that multiplies, by its logarithm: three times as much, known to a fifth, is far from once as much.
+    """
+    known, far = effect.parameters(), strengths(effect, setup)
+    if multiplies:
+        here = {field: known[field].coordinate(getattr(effect, field)) for field in far}
+        rest = {field: known[field].coordinate(known[field].at_rest(setup, effect.member)) for field in far}
+        far = {field: value * abs(math.log(value / rest[field])) for field, value in here.items()}
+    return all(strength < SURE * deviations[field] for field, strength in far.items())
 
 
 def overdone(effects: tuple[Effect, ...], setup: Setup) -> tuple[Effect, ...]:

@@ -212,7 +212,8 @@ class Search:
         for effect in overdone(fit.effects, setup):
             return f"{effect.describe()}: as strong as can be, so that something else is missing that looks like it"
         for effect, deviations in zip(fit.effects, fit.deviations, strict=True):
-            if faint(effect, deviations, setup):
+            multiplies = any(one.serves(effect) and one.way.is_scale for one in self.problem.stand_ins)
+            if faint(effect, deviations, setup, multiplies):
                 return f"{effect.describe()}: too weak against its own doubt, so that the fit gains by something else"
         if self.problem.unknowns.scatter.common:
             # Of means the fit itself knows errors of the model and their size: what is not faint has been told from them.

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis
+from gearfem.diagnosis.parameters import faint
 from gearfem.diagnosis.stand_ins import stand_ins
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -48,6 +49,18 @@ def test_beside_an_effect_what_does_the_same_is_not_there(found: Diagnosis) -> N
 def test_an_effect_is_as_unknown_as_what_does_the_same(found: Diagnosis, effect: Effect, field: str, doubt: float) -> None:
     (one,) = (one for one in found.problem.stand_ins if one.serves(effect))
     assert one.doubt(effect, field) == pytest.approx(doubt, rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize(
+    ("effect", "deviation", "weak"),
+    [(BodyCompliance(scale=3.0), 0.7, False), (BodyCompliance(scale=1.5), 0.35, True), (ContactCompliance(scale=0.4), 0.22, True)],
+)
+def test_what_multiplies_is_faint_by_its_logarithm(found: Diagnosis, effect: Effect, deviation: float, weak: bool) -> None:
+    """From once as much three times as much is as far as a third is, at the same share of doubt."""
+    setup = found.campaign.setup
+    assert faint(effect, {"scale": deviation}, setup, multiplies=True) is weak
+    # By its distance from 1 the strong one would be as doubtful.
+    assert faint(BodyCompliance(scale=3.0), {"scale": 0.7}, setup)
 
 
 def test_a_shape_of_a_flank_has_no_stand_in(found: Diagnosis) -> None:
