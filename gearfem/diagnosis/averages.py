@@ -29,10 +29,12 @@ from gearfem.foundation import Array, Record
 
 # Places of the pitch between which a mean over pitches runs in straight lines.
 PLACES = 48
-# Part of a mean that a model may miss though nothing is missing from it: of slow records, of motions, of those whose flanks part, which
+# Part of a mean that a model may miss though nothing is missing from it: of slow records, of motions, of those whose flanks hammer, which
 # take another way for next to nothing, of a mesh stiffness and of the largest Kw of a turn, which waviness raises. Healthy pairs of other
 # simulators leave slow means within noise, and 0.5 to 3.4 % of motions.
-SLOW, MOVING, PARTING, JUMPING, LARGEST = 0.003, 0.03, 0.2, 0.10, 0.25
+SLOW, MOVING, HAMMERING, JUMPING, LARGEST = 0.003, 0.03, 0.2, 0.10, 0.25
+# Part of the time that flanks are apart from which on they hammer: near resonances it is a quarter at most, under light loads half or more.
+APART = 0.35
 # Times that index errors and waviness are fitted anew: they are all but linear.
 TIMES = 3
 # What index errors may be off where they stand still [m], and the least that single teeth do to a mean, in deviations of its noise.
@@ -136,7 +138,9 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     found.wander = found.least = WANDER
     found.counts = np.array([float(len(noise.whitener.apply(record.value))) for record, noise in zip(records, noises, strict=True)])
     usual = bench(())
-    found.floor = np.array([_floor(record, noise, _parts(record, usual, settings)) for record, noise in zip(records, noises, strict=True)])
+    found.floor = np.array(
+        [_floor(record, noise, _hammers(record, usual, settings)) for record, noise in zip(records, noises, strict=True)]
+    )
     return found
 
 
@@ -255,20 +259,20 @@ def _turns_round(record: Measurement) -> bool:
     return record.quantity.axis == "angle" and not record.quantity.moving and record.quantity.free_constant
 
 
-def _parts(record: Measurement, bench: SystemBench, settings: Settings) -> bool:
-    """Return whether flanks part in the motion of a record as settings have it."""
+def _hammers(record: Measurement, bench: SystemBench, settings: Settings) -> bool:
+    """Return whether flanks are apart for much of the motion of a record as settings have it."""
     if not record.quantity.moving or record.quantity.axis != "angle":
         return False
     swing = bench.swing(record.axis + settings.angle_offset, record.pinion_torque, record.pinion_speed, settings)
-    return not swing.stiffness.all()
+    return bool(np.mean(swing.stiffness == 0.0) > APART)
 
 
-def _floor(record: Measurement, noise: Noise, parts: bool) -> float:
+def _floor(record: Measurement, noise: Noise, hammers: bool) -> float:
     """Return the least mean square of the rows of a mean that a model of finite accuracy can be expected to leave."""
     name, quantity = record.quantity.name, record.quantity
     if quantity.axis == "roll":
         return 1.0
-    moving = PARTING if parts else MOVING
+    moving = HAMMERING if hammers else MOVING
     share = LARGEST if name == "dynamic_factor" else JUMPING if name == "mesh_stiffness" else moving if quantity.moving else SLOW
     # The mean itself of a mesh stiffness or an acceleration says nothing of how far their course may be missed.
     course = noise.whitener.apply(record.value - record.value[record.keep].mean())

@@ -9,12 +9,12 @@ import pytest
 
 from gearfem.diagnosis import compare, read_campaign
 from gearfem.diagnosis.averages import (
+    HAMMERING,
     MOVING,
-    PARTING,
     PLACES,
     _floor,
+    _hammers,
     _mean,
-    _parts,
     all_but_largest,
     averaged,
     of_single_teeth,
@@ -87,16 +87,20 @@ def test_where_friction_turns_round_within_a_sample_is_left_open(scattered: Comp
     assert share == pytest.approx([0.0, 0.5], rel=0.0, abs=0.02)
 
 
-def test_motions_whose_flanks_part_may_be_missed_by_more(scattered: Comparison) -> None:
+def test_motions_whose_flanks_hammer_may_be_missed_by_more(scattered: Comparison) -> None:
     pair, bench = scattered.campaign.setup.pair, scattered.problem.bench(())
     record = scattered.problem.records[0]
     fast = dataclasses.replace(record, quantity=QUANTITIES["dynamic_transmission_error"], pinion_speed=500.0)
     late = dataclasses.replace(neutral(pair), pinion_late=np.tile([60.0 * UM, 0.0], 7)[:13])
-    assert [_parts(one, bench, settings) for one, settings in ((fast, neutral(pair)), (fast, late), (record, late))] == [False, True, False]
+    assert [_hammers(one, bench, settings) for one, settings in ((fast, neutral(pair)), (fast, late), (record, late))] == [
+        False,
+        True,
+        False,
+    ]
     noise = scattered.problem.noises[0]
     mean = _mean(fast, noise, scattered.campaign)
     held, parted = (_floor(fast, mean, parts) for parts in (False, True))
-    assert (parted - 1.0) / (held - 1.0) == pytest.approx((PARTING / MOVING) ** 2, rel=1e-9, abs=0.0)
+    assert (parted - 1.0) / (held - 1.0) == pytest.approx((HAMMERING / MOVING) ** 2, rel=1e-9, abs=0.0)
 
 
 def test_the_largest_kw_of_turns_is_none_of_the_means_beside_other_motions(scattered: Comparison) -> None:
