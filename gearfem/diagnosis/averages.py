@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
-from scipy.linalg import orth
+from scipy.linalg import block_diag, orth
 
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
@@ -244,19 +244,15 @@ def _rest(
     white = np.concatenate([noise.whitener.apply(part) for noise, part in zip(noises, columns, strict=True)])
     _, strength, ways = np.linalg.svd(white, full_matrices=False)
     ways = ways[strength > LEAST].T
-    own = [np.empty((len(record.axis), 0)) if not _turns_round(record) else turned_round(record, bench, settings) for record in records]
-    found, count = {}, sum(part.shape[1] for part in own)
-    for number, (record, part) in enumerate(zip(records, columns, strict=True)):
-        before = sum(one.shape[1] for one in own[:number])
-        beside = np.zeros((len(record.axis), count))
-        beside[:, before : before + own[number].shape[1]] = own[number]
-        found[record.file] = np.column_stack([part @ ways, beside])
-    return found
+    own = [turned_round(record, bench, settings) if _turns_round(record) else np.empty((len(record.axis), 0)) for record in records]
+    missed = np.column_stack([np.concatenate(columns) @ ways, block_diag(*own)])
+    parts = np.split(missed, np.cumsum([len(record.axis) for record in records])[:-1])
+    return {record.file: part for record, part in zip(records, parts, strict=True)}
 
 
 def _turns_round(record: Measurement) -> bool:
-    """Return whether a record shows the step of friction at the pitch point."""
-    return record.quantity.axis == "angle" and not record.quantity.moving and record.quantity.free_constant
+    """Return whether a record shows the step of friction at the pitch point: motions round it, and teeth yield the same on both sides."""
+    return record.quantity.name == "static_transmission_error"
 
 
 def _hammers(record: Measurement, bench: SystemBench, settings: Settings) -> bool:

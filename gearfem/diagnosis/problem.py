@@ -308,8 +308,8 @@ class Problem:
 
     def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
         """Fit the parameters of effects and all nuisances, see `gearfem.diagnosis.fit.fit`."""
-        here = self
-        if served := self._served(effects):
+        here, served = self, self._served(effects)
+        if not set(served) <= set(self._served(self.effects)):
             here = copy.copy(self)
             here._take(self.columns, self.whole.columns, served)
         return fit(here, effects, unknown, rounds, hopeless)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cached_property
 from typing import Any
 
 from gearfem.assembly import assemble
@@ -38,14 +39,19 @@ class StandIn(Record):
         assert self.way.cause is not None
         return self.way.cause(self.system, self.way.value(moved))
 
+    @cached_property
+    def nominal(self) -> Any:
+        """What does the same as the unknown where the model is right."""
+        return self.cause(0.0)
+
     def serves(self, effect: Effect) -> bool:
         """Return whether it does what an effect does."""
-        return type(self.cause(0.0)) is type(effect)
+        return type(self.nominal) is type(effect)
 
     def doubt(self, effect: Effect, field: str) -> float:
         """Return by how much a parameter of an effect that it serves is unknown since it is, in the parameter's own coordinate."""
         known = effect.parameters()[field]
-        here, nominal, moved = (known.coordinate(getattr(one, field)) for one in (effect, self.cause(0.0), self.cause(1.0)))
+        here, nominal, moved = (known.coordinate(getattr(one, field)) for one in (effect, self.nominal, self.cause(1.0)))
         return abs((moved - nominal) * (here / nominal if self.way.is_scale else 1.0))
 
 

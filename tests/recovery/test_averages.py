@@ -104,18 +104,16 @@ def test_motions_whose_flanks_hammer_may_be_missed_by_more(scattered: Comparison
 
 
 def test_the_largest_kw_of_turns_is_none_of_the_means_beside_other_motions(scattered: Comparison) -> None:
-    problem = scattered.problem
-    slow_one = problem.records[0]
+    problem, held = scattered.problem, scattered.problem.records[0]
+    speeds, factors = np.array([50.0, 60.0]), np.array([1.1, 1.2])
     sweep = dataclasses.replace(
-        slow_one, file="kw.csv", quantity=QUANTITIES["dynamic_factor"], axis=np.array([50.0, 60.0]), value=np.array([1.1, 1.2])
+        held, file="kw.csv", quantity=QUANTITIES["dynamic_factor"], axis=speeds, value=factors, keep=np.ones(2, bool)
     )
-    sweep = dataclasses.replace(sweep, keep=np.ones(2, bool))
-    moving = dataclasses.replace(slow_one, file="te.csv", quantity=QUANTITIES["dynamic_transmission_error"], pinion_speed=100.0)
-    noises = tuple(measure_noise(one, scattered.campaign.setup.pair) for one in (slow_one, moving, sweep))
-    for records, files in (((slow_one, moving, sweep), [slow_one.file, "te.csv"]), ((slow_one, sweep), [slow_one.file, "kw.csv"])):
-        kept = tuple(noises[(slow_one, moving, sweep).index(one)] for one in records)
-        whole = Problem(problem.campaign, records, kept, Scatter(terms=2), problem.bench)
-        assert [one.file for one in averaged(whole, scattered.alone.settings).records] == files
+    moving = dataclasses.replace(held, file="te.csv", quantity=QUANTITIES["dynamic_transmission_error"], pinion_speed=100.0)
+    for records, files in (((held, moving, sweep), [held.file, "te.csv"]), ((held, sweep), [held.file, "kw.csv"])):
+        noises = tuple(measure_noise(one, scattered.campaign.setup.pair) for one in records)
+        both = Problem(problem.campaign, records, noises, Scatter(terms=2), problem.bench)
+        assert [one.file for one in averaged(both, scattered.alone.settings).records] == files
 
 
 def test_means_of_a_healthy_pair_are_met_within_noise(scattered: Comparison) -> None:
