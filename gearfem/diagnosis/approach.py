@@ -32,13 +32,13 @@ def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS) -> Fit:
     return problem.fit((), problem.prepare((), problem.unknowns.of(start)), rounds)
 
 
-def part_of(problem: Problem, places: Sequence[int]) -> Problem:
-    """Return the problem of the records at some places alone, with the nuisances that these can feel; not prepared."""
+def part_of(problem: Problem, places: Sequence[int], effects: tuple[Effect, ...] = ()) -> Problem:
+    """Return the problem of the records at some places alone, with the nuisances that these can feel, under known effects; not prepared."""
     records, noises = tuple(problem.records[i] for i in places), tuple(problem.noises[i] for i in places)
     own = problem.unknowns
     # Problems of single teeth have no nuisances, whatever the records could feel.
     unknowns = unknowns_of(problem.campaign, records, own.scatter, own.errors, None if own.nuisances else (), own.level)
-    part = Problem(problem.campaign, records, noises, bench=problem.bench, unknowns=unknowns)
+    part = Problem(problem.campaign, records, noises, bench=problem.make, unknowns=unknowns, known=(*problem.known, *effects))
     part.wander, part.least = problem.wander, problem.least
     part.floor, part.counts = problem.floor[list(places)], problem.counts[list(places)]
     return part

@@ -13,6 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from scipy.linalg import block_diag, orth
 
+from gearfem.diagnosis.approach import part_of
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.fit import Fit, again
@@ -42,6 +43,8 @@ INDEX, LEAST = 0.1e-6, 0.1
 # By how much scores of the same explanation differ by where its fit began, and what a name must gain: of seven healthy pairs the best
 # explanation gained 8 at most.
 WANDER = 16.0
+# The same of slow records row by row, fitted from where means stand: of five healthy pairs the best explanation gained 12 at most.
+BY_ROWS = 24.0
 # What an effect of one tooth or of a turn must gain: waviness that is not linear has gained up to 54 as a pit of one of sixty teeth.
 SINGLE = 80.0
 
@@ -105,7 +108,7 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     settings : Settings
         Whose index errors stand, and where the gears stand otherwise.
     effects : tuple of Effect
-        Effects of single teeth that are known.
+        Effects that are known.
 
     Returns
     -------
@@ -127,14 +130,15 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     records = tuple(problem.records[i] for i in kept)
     noises = tuple(_mean(record, problem.noises[i], campaign) for record, i in zip(records, kept, strict=True))
 
-    def bench(further: tuple[Effect, ...]) -> SystemBench:
-        return problem.bench((*effects, *further))
+    known, scatter = (*problem.known, *effects), problem.unknowns.scatter
 
-    scatter = problem.unknowns.scatter
+    def bench(further: tuple[Effect, ...]) -> SystemBench:
+        return problem.make((*known, *further))
+
     scatter = dataclasses.replace(scatter, rest=_rest(records, noises, bench, settings, scatter))
     level = dataclasses.replace(neutral(campaign.setup.pair), pinion_late=settings.pinion_late, wheel_late=settings.wheel_late)
     unknowns = unknowns_of(campaign, records, scatter, problem.unknowns.errors, level=level)
-    found = Problem(campaign, records, noises, bench=bench, unknowns=unknowns)
+    found = Problem(campaign, records, noises, bench=problem.make, unknowns=unknowns, known=known)
     found.wander = found.least = WANDER
     found.counts = np.array([float(len(noise.whitener.apply(record.value))) for record, noise in zip(records, noises, strict=True)])
     usual = bench(())
@@ -163,13 +167,21 @@ def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect,
     kept = [i for i, record in enumerate(problem.records) if which(record.quantity)]
     records, noises = tuple(problem.records[i] for i in kept), tuple(problem.noises[i] for i in kept)
 
-    def bench(further: tuple[Effect, ...]) -> SystemBench:
-        return problem.bench((*effects, *further))
-
     unknowns = unknowns_of(problem.campaign, records, problem.unknowns.scatter, (), (), level)
-    found = Problem(problem.campaign, records, noises, bench=bench, unknowns=unknowns)
+    found = Problem(problem.campaign, records, noises, bench=problem.make, unknowns=unknowns, known=(*problem.known, *effects))
     found.least = SINGLE
     return found
+
+
+def row_by_row(problem: Problem, effects: tuple[Effect, ...] = ()) -> Problem:
+    """Return the slow records row by row, single teeth and nuisances both unknown, under known effects of single teeth; not prepared.
+
+    How much of an index error shows, and where each tooth takes over, goes by what all teeth have: rows say several times as much of it as
+    their mean does. They are fitted from where means stand: from further off waviness, which is linear nearby only, leads anywhere.
+    """
+    rows = part_of(problem, [i for i, record in enumerate(problem.records) if slow(record.quantity)], effects)
+    rows.wander = rows.least = BY_ROWS
+    return rows
 
 
 def stand(problem: Problem, fit: Fit, teeth: Problem, single: Fit) -> Fit:
@@ -244,13 +256,13 @@ def _rest(
     white = np.concatenate([noise.whitener.apply(part) for noise, part in zip(noises, columns, strict=True)])
     _, strength, ways = np.linalg.svd(white, full_matrices=False)
     ways = ways[strength > LEAST].T
-    own = [turned_round(record, bench, settings) if _turns_round(record) else np.empty((len(record.axis), 0)) for record in records]
+    own = [turned_round(record, bench, settings) if turns_round(record) else np.empty((len(record.axis), 0)) for record in records]
     missed = np.column_stack([np.concatenate(columns) @ ways, block_diag(*own)])
     parts = np.split(missed, np.cumsum([len(record.axis) for record in records])[:-1])
     return {record.file: part for record, part in zip(records, parts, strict=True)}
 
 
-def _turns_round(record: Measurement) -> bool:
+def turns_round(record: Measurement) -> bool:
     """Return whether a record shows the step of friction at the pitch point: motions round it, and teeth yield the same on both sides."""
     return record.quantity.name == "static_transmission_error"
 

@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
 import dataclasses
+import math
 from collections.abc import Mapping
 
-from gearfem.diagnosis.averages import all_but_largest, averaged, has_means, shows_in_means, slow, teeth_under, whole
+from gearfem.diagnosis.averages import (
+    BY_ROWS,
+    all_but_largest,
+    averaged,
+    has_means,
+    row_by_row,
+    shows_in_means,
+    teeth_under,
+    turns_round,
+    whole,
+)
+from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Search, label
+from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label
 from gearfem.diagnosis.select import select
+from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.verdict import CLOSED, REST, Naming, Rival, Verdict, closure, gap_left, judge, sentence_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, SolveError
@@ -40,45 +55,79 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
 
     Notes
     -----
-    Effects of all teeth, and what does not come back with the turns, are selected by the means over the pitches (`averaged`), which hold
-    all that is known of them, of nuisances and of errors of our own model; then, these standing still, effects of single teeth and turns
-    by the records row by row (`of_single_teeth`). Beside those the first kind is judged anew, or selected anew where any of the second was
-    found. Campaigns without a record over the pinion angle have no means and are searched once for all effects.
+    Effects of all teeth, and what does not come back with the turns, are selected by the means over the pitches (`averaged`), which say
+    where nuisances and errors of our own model stand, and where these name nothing by the slow records row by row (`row_by_row`); then,
+    these standing still, effects of single teeth and turns by the records row by row (`of_single_teeth`). Beside those the first kind is
+    judged anew, or selected anew where any of the second was found. Campaigns without a record over the pinion angle have no means and are
+    searched once for all effects.
     """
     if not has_means(problem):
         return select(problem, alone, kinds, progress)
-    mean = averaged(problem, alone.settings)
-    base = again(mean, (), mean.unknowns.of(alone.settings))
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
-    first = _told_apart(problem, mean, select(mean, base, common, progress), progress)
+    first, by_rows = _of_all(problem, alone.settings, (), common, progress)
     second = _of_teeth(problem, first.fit, single, progress)
     if second.fit.effects and (first.fit.effects or first.verdict == "unexplained"):
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
-        settings, known = second.fit.settings, second.fit.effects
-        mean = averaged(problem, settings, known)
-        base = again(mean, (), mean.unknowns.of(settings))
-        first = _told_apart(problem, mean, select(mean, base, common, progress), progress)
-    elif first.fit.effects:
+        first, _ = _of_all(problem, second.fit.settings, second.fit.effects, common, progress)
+    elif first.fit.effects and not by_rows:
         first = _anew(problem, first, second, progress)
     return _joined(problem, alone, first, second)
 
 
-def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progress) -> Naming:
-    """Return the verdict on means that cannot tell explanations apart, each now judged by what it makes of single teeth too.
+def _of_all(
+    problem: Problem, settings: Settings, known: tuple[Effect, ...], kinds: Mapping[str, type[Effect]], progress: Progress
+) -> tuple[Naming, bool]:
+    """Return the verdict on what all teeth have, under known effects of single ones, and whether it took slow records row by row.
 
-    By slow records and gears off the rig alone. A sensor that reads a quarter makes index errors of four micrometres; the mirror of a slope
-    moves where single teeth hand over.
+    These are asked where means name nothing.
+    """
+    mean = averaged(problem, settings, known)
+    means = _told_apart(problem, mean, select(mean, again(mean, (), mean.unknowns.of(settings)), kinds, progress), progress)
+    if means.fit.effects or not any(turns_round(record) for record in problem.records):
+        return means, False
+    rows = row_by_row(problem, mean.known)
+    alone = again(rows, (), rows.unknowns.of(means.alone.settings))
+    rows.remember(alone)
+    found = select(rows, rows.fit((), alone.point.stood, rounds=1), kinds, progress, begun=True)
+    if not found.fit.effects:
+        return means if found.verdict == "no_discrepancy" else dataclasses.replace(means, verdict="unexplained"), False
+    # What is found stands, and what means have besides must gain as any further effect.
+    named = {type(effect) for effect in found.fit.effects}
+    mean = averaged(problem, means.alone.settings, (*known, *found.fit.effects))
+    felt = {nuisance.name: getattr(found.fit.settings, nuisance.name) for nuisance in rows.nuisances}
+    base = again(mean, (), mean.unknowns.of(dataclasses.replace(means.alone.settings, **felt, errors=found.fit.settings.errors)))
+    mean.least = max(FURTHER_LEAST * mean.wander, FURTHER_OTHER * (found.alone.objective - found.fit.objective))
+    others = {word: kind for word, kind in kinds.items() if kind not in named}
+    return _merged(found, select(mean, base, others, progress, begun=True)), True
+
+
+def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progress) -> Naming:
+    """Return the verdict on means that cannot tell explanations apart, each now fitted to slow records row by row too.
+
+    Not to motions: a sensor that reads a quarter makes index errors of four micrometres, and flanks that part take one branch or another.
     """
     near = [rival for rival in naming.rivals if rival.near]
-    if naming.verdict != "ambiguous" or not near or not any(slow(record.quantity) for record in problem.records):
+    if naming.verdict != "ambiguous" or not near or not any(turns_round(record) for record in problem.records):
         return naming
+    rows = row_by_row(problem, mean.known)
     own = Rival(effects=naming.fit.effects, score_difference=0.0, why="", near=True, fit=naming.fit, p_values=naming.p_values)
+
+    def fitted(one: Rival) -> float:
+        """Return the least that fits attain, where they can be computed: where these end goes by where they begin."""
+        start, attained = rows.unknowns.of(one.fit.settings), math.inf
+        for unknown in (start, rows.unknowns.neutral(start)):
+            with contextlib.suppress(InputError, SolveError):
+                attained = min(attained, again(copy.copy(rows), one.effects, unknown).objective)
+        return attained
+
     costs: dict[Rival, float] = {}
-    for number, one in enumerate((own, *near)):
-        progress("single teeth under rivals", number, 1 + len(near))
-        costs[one] = one.score_difference + teeth_under(problem, one.fit.settings, one.effects, slow)[1].objective
-    progress("single teeth under rivals", 1 + len(near), 1 + len(near))
-    least, threshold = min(costs.values()), max(naming.threshold, problem.wander)
+    for one, least in zip((own, *near), side_by_side(fitted, (own, *near)), strict=True):
+        progress("rivals row by row", len(costs), 1 + len(near))
+        costs[one] = one.score_difference + least
+    progress("rivals row by row", 1 + len(near), 1 + len(near))
+    least, threshold = min(costs.values()), max(naming.threshold, BY_ROWS)
+    if not math.isfinite(least):
+        return naming
     close = [one for one in costs if costs[one] < least + threshold]
     best = min(close, key=lambda one: (len(one.effects), sum(len(effect.parameters()) for effect in one.effects), costs[one]))
     rivals = tuple(
@@ -103,10 +152,10 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
 
 
 def _beside(worse: float, threshold: float) -> str:
-    """Return why an explanation lost, or did not, once single teeth are counted."""
+    """Return why an explanation lost, or did not, once slow records count row by row."""
     if worse < threshold:
-        return f"cannot be told apart: with single teeth its score differs by {worse:+.1f}, less than {threshold:.1f}"
-    return f"leaves more of single teeth: score worse by {worse:.1f}"
+        return f"cannot be told apart: with slow records row by row its score differs by {worse:+.1f}, less than {threshold:.1f}"
+    return f"leaves more of slow records row by row: score worse by {worse:.1f}"
 
 
 def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
@@ -137,15 +186,33 @@ def _anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -
     return _told_apart(problem, mean, dataclasses.replace(judged, rivals=(*judged.rivals, *lost)), progress)
 
 
+def _merged(first: Naming, second: Naming) -> Naming:
+    """Return one verdict from that on slow records row by row and that on means under what it names."""
+    fit = dataclasses.replace(
+        second.fit,
+        effects=(*first.fit.effects, *second.fit.effects),
+        deviations=(*first.fit.deviations, *second.fit.deviations),
+        bound=(*first.fit.bound, *((number + len(first.fit.effects), field) for number, field in second.fit.bound)),
+    )
+    return _one(first, second, second.alone, fit, "All teeth, row by row", "All teeth, at speed")
+
+
 def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Naming:
-    """Return one verdict from that on the means and that on single teeth."""
+    """Return one verdict from that on all teeth and that on single ones."""
+    if first.fit.effects or second.fit.effects:
+        fit = whole(problem, first.fit, second.fit)
+    else:
+        fit = alone
+        problem.prepare((), alone.point.stood)
+    return _one(first, second, alone, fit, "All teeth", "Single teeth")
+
+
+def _one(first: Naming, second: Naming, alone: Fit, fit: Fit, *words: str) -> Naming:
+    """Return one verdict from two on different records, and the fit of what both name."""
     best = (*first.best.effects, *second.best.effects)
     named = [one for one in (first, second) if one.fit.effects]
-    fit = whole(problem, first.fit, second.fit) if named else alone
     verdict = _verdict(first.verdict, second.verdict, second.left)
     closed = max((one.closed for one in named), default=max(first.closed, second.closed))
-    if not named:
-        problem.prepare((), alone.point.stood)
     rivals = (
         *(dataclasses.replace(rival, effects=(*rival.effects, *second.fit.effects)) for rival in first.rivals),
         *(dataclasses.replace(rival, effects=(*first.fit.effects, *rival.effects)) for rival in second.rivals),
@@ -162,10 +229,7 @@ def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Nami
         identifiable=tuple(sorted((*first.identifiable, *second.identifiable), key=lambda one: one.limit)),
         threshold=max(first.threshold, second.threshold),
         sentence=sentence_of(verdict, fit, closed),
-        reasons=(
-            *(f"All teeth: {reason}" for reason in first.reasons),
-            *(f"Single teeth: {reason}" for reason in second.reasons),
-        ),
+        reasons=tuple(f"{word}: {reason}" for word, one in zip(words, (first, second), strict=True) for reason in one.reasons),
     )
 
 

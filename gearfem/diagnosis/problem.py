@@ -58,9 +58,13 @@ class Problem:
         Makes the model with effects; by default the campaign's.
     unknowns : Unknowns, optional
         What is fitted; by default all that the records can feel, with that scatter.
+    known : tuple of Effect
+        Effects that stand still.
 
     Attributes
     ----------
+    make : callable
+        Makes the model with effects, those known not among them.
     wander, least : float
         By how much scores of the same explanation may differ, and what a name must gain whatever the number of rows.
     effects : tuple of Effect
@@ -98,9 +102,10 @@ class Problem:
         scatter: Scatter | None = None,
         bench: BenchOf | None = None,
         unknowns: Unknowns | None = None,
+        known: tuple[Effect, ...] = (),
     ) -> None:
-        self.campaign, self.records, self.noises = campaign, records, noises
-        self.bench: BenchOf = bench or (lambda effects: bench_of(campaign, effects))
+        self.campaign, self.records, self.noises, self.known = campaign, records, noises, known
+        self.make: BenchOf = bench or (lambda effects: bench_of(campaign, effects))
         self.unknowns = unknowns or unknowns_of(campaign, records, scatter or Scatter(), self.bench(()).errors)
         self.nuisances = self.unknowns.nuisances
         self.stand_ins = stand_ins(self.unknowns, campaign.setup)
@@ -108,6 +113,10 @@ class Problem:
         self.memory = np.ones(len(records))
         self.rise = tuple(np.zeros(len(record.axis)) for record in records)
         self.counts = np.array([float(record.keep.sum()) for record in records])
+
+    def bench(self, effects: tuple[Effect, ...]) -> SystemBench:
+        """Return the model with effects beside those that are known."""
+        return self.make((*self.known, *effects))
 
     @property
     def detected(self) -> float:
@@ -171,8 +180,8 @@ class Problem:
         self.held_columns = np.concatenate([part[:, self.unknowns.held - self.outer] for part in self.linear.columns])
 
     def _served(self, effects: tuple[Effect, ...]) -> list[int]:
-        """Return the places of the unknowns that do just what effects do."""
-        return [one.place for one in self.stand_ins if any(one.serves(effect) for effect in effects)]
+        """Return the places of the unknowns that do just what effects do, or known ones."""
+        return [one.place for one in self.stand_ins if any(one.serves(effect) for effect in (*self.known, *effects))]
 
     def _beside(self, effects: tuple[Effect, ...], unknown: Array) -> Array:
         """Return unknowns, those at 0 that do just what effects do."""

@@ -37,7 +37,7 @@ NEAR, MOST_ALIKE = 0.5, 4
 PROMISING = 0.125
 
 
-def select(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> Naming:
+def select(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet, begun: bool = False) -> Naming:
     """Choose the effects that explain what nuisances leave of one problem.
 
     Parameters
@@ -50,6 +50,8 @@ def select(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], prog
         Effects to choose among.
     progress : Progress
         Told how far the search is.
+    begun : bool
+        Whether nuisances stand where other records have left them: then no effect is sought in their place.
 
     Returns
     -------
@@ -74,11 +76,14 @@ def select(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], prog
     if _agrees(search, first):
         return judge(search, shown)
     _singles(search, alone, first, progress)
+    if not (begun or _sound(search)):
+        search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
     if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * search.problem.detected:
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
-    _in_place(search, first, progress)
+    if not begun:
+        _in_place(search, first, progress)
     _further(search, first, progress)
     _eliminate(search)
     _twins(search, first, progress)
@@ -136,8 +141,6 @@ def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], prog
     setup = search.problem.campaign.setup
     starts: list[Start] = [((candidate.start(setup),), candidate.unknown) for candidate in chosen]
     search.fit(starts, alone, progress, "single effects")
-    if not _sound(search):
-        search.settle_from(screened(search.problem, alone, candidates, progress), progress, "effects that slow records call for")
 
 
 def _in_place(search: Search, candidates: Sequence[Candidate], progress: Progress) -> None:

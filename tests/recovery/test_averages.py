@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from gearfem.diagnosis import compare, read_campaign
+from gearfem.diagnosis import choose, compare, read_campaign
 from gearfem.diagnosis.averages import (
     HAMMERING,
     MOVING,
@@ -26,20 +27,20 @@ from gearfem.diagnosis.averages import (
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import again
-from gearfem.diagnosis.name import _told_apart, _verdict
+from gearfem.diagnosis.name import _of_all, _told_apart, _verdict
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.pitch_point import turned_round
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.select import select
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import Naming, Rival, Verdict, gap_left
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.friction import Friction
-from gearfem.effects.sensor_gain import SensorGain
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation import Array
 from gearfem.foundation.progress import quiet
-from gearfem.foundation.units import UM
+from gearfem.foundation.units import MM, UM
 
 from .rig import PLAN, on_the_rig
 
@@ -182,34 +183,55 @@ def test_an_effect_shows_in_means_unless_it_differs_from_pitch_to_pitch() -> Non
     assert {kind.repeats for kind in catalogue().values() if not shows_in_means(kind)} == {"one tooth", "once a turn"}
 
 
-def test_explanations_that_means_cannot_tell_apart_are_judged_by_single_teeth(scattered: Comparison) -> None:
-    """A sensor that reads a quarter would make of errors of micrometres ones of four times as much."""
-    problem, alone = scattered.problem, scattered.alone
+def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaign: Path) -> None:
+    """A relief of the wheel, called one of the pinion: rows say which."""
+    comparison = compare(read_campaign(campaign))
+    problem, alone = comparison.problem, comparison.alone
     mean = averaged(problem, alone.settings)
-    right = again(mean, (), mean.unknowns.of(alone.settings))
-    effects = (SensorGain(scale=0.25),)
-    wrong = dataclasses.replace(right, effects=effects, settings=dataclasses.replace(right.settings, gain=0.25))
-    relief = dataclasses.replace(right, effects=(TipRelief(gear="wheel", amount=0.0, length=2e-3),))
-    rival = Rival(effects=relief.effects, score_difference=5.0, why="", near=True, fit=relief, p_values=(0.5,))
+    bare = again(mean, (), mean.unknowns.of(alone.settings))
+    wrong, right = (
+        dataclasses.replace(bare, effects=(TipRelief(gear=gear, amount=14.0 * UM, length=2.5 * MM),)) for gear in ("pinion", "wheel")
+    )
     naming = Naming(
         verdict="ambiguous",
         fit=wrong,
-        alone=right,
+        alone=bare,
         best=wrong,
         p_values=(0.1,),
         closed=1.0,
         left=0.9,
-        rivals=(rival,),
+        rivals=(Rival(effects=right.effects, score_difference=5.0, why="", near=True, fit=right, p_values=(0.5,)),),
         identifiable=(),
         threshold=16.0,
         sentence="",
         reasons=(),
     )
     told = _told_apart(problem, mean, naming, quiet)
-    assert told.fit is relief
+    assert told.fit is right
     assert told.p_values == (0.5,)
     assert told.verdict in ("explained", "partly_explained")
     (lost,) = told.rivals
     assert not lost.near
-    assert lost.score_difference > 40.0
+    assert lost.score_difference > 100.0
     assert _told_apart(problem, mean, dataclasses.replace(naming, verdict="explained"), quiet).fit is wrong
+
+
+def test_a_relief_that_means_do_not_name_is_named_row_by_row(tmp_path: Path) -> None:
+    """Where late teeth take over, and how much of it shows, goes by what all flanks have: rows say several times as much of it."""
+    small = {"name": "tip_relief", "gear": "pinion", "amount_um": 1.2, "length_mm": 4.0}
+    plan = PLAN | {"record": [record | {"turns": 3.4} for record in PLAN["record"]], "scatter": {"index_error_um": 1.0}}
+    comparison = compare(read_campaign(on_the_rig(tmp_path, {"effect": [small]}, plan)))
+    problem, settings, kinds = comparison.problem, comparison.alone.settings, choose(catalogue(), ["tip_relief"])
+    mean = averaged(problem, settings)
+    bare = again(mean, (), mean.unknowns.of(settings))
+    assert not select(mean, bare, kinds).fit.effects
+    naming, by_rows = _of_all(problem, settings, (), kinds, quiet)
+    assert by_rows
+    assert naming.verdict == "explained"
+    (found,), (deviations,) = naming.fit.effects, naming.fit.deviations
+    assert isinstance(found, TipRelief)
+    assert found.gear == "pinion"
+    assert found.amount == pytest.approx(1.2 * UM, rel=0.0, abs=deviations["amount"])
+    assert deviations["amount"] < 0.4 * UM
+    # What is named stands beside nuisances of all records.
+    assert naming.fit.settings.gain == pytest.approx(1.0, rel=0.0, abs=0.05)
