@@ -25,7 +25,7 @@ from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label
 from gearfem.diagnosis.select import select
 from gearfem.diagnosis.side_by_side import side_by_side
-from gearfem.diagnosis.verdict import CLOSED, REST, Naming, Rival, Verdict, closure, gap_left, judge, sentence_of
+from gearfem.diagnosis.verdict import CLOSED, REST, Naming, Rival, Verdict, closure, gap_left, judge, sentence_of, turning
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -65,8 +65,11 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         return select(problem, alone, kinds, progress)
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
     first, by_rows = _of_all(problem, alone.settings, (), common, progress)
-    second = _of_teeth(problem, first.fit, single, progress)
-    if second.fit.effects and (first.fit.effects or first.verdict == "unexplained"):
+    second, wavy = _of_teeth(problem, first.fit, single, progress)
+    if wavy:
+        # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
+        first = dataclasses.replace(first, verdict="unexplained", fit=first.alone, p_values=())
+    elif second.fit.effects and (first.fit.effects or first.verdict == "unexplained"):
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
         first, _ = _of_all(problem, second.fit.settings, second.fit.effects, common, progress)
     elif first.fit.effects and not by_rows:
@@ -158,10 +161,11 @@ def _beside(worse: float, threshold: float) -> str:
     return f"leaves more of slow records row by row: score worse by {worse:.1f}"
 
 
-def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
-    """Return what single teeth and turns show beside a fit of the means."""
+def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> tuple[Naming, bool]:
+    """Return what single teeth and turns show beside a fit of the means, and whether the best explanation keeps waves of index errors."""
     teeth, bare = teeth_under(problem, fit.settings, fit.effects, all_but_largest)
-    return select(teeth, bare, kinds, progress)
+    naming = select(teeth, bare, kinds, progress)
+    return naming, bool(turning(teeth, naming.best))
 
 
 def _anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -> Naming:

@@ -124,11 +124,11 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     # Only those that come near are worth the question.
     barred = {fit: search.barred(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
-    astray = (*_astray(search), *_turning(search.problem, alone), *_misshapen(search.problem, alone))
+    astray = (*_astray(search), *turning(search.problem, alone), *_misshapen(search.problem, alone))
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
     if not best.effects or gained < search.problem.detected:
         verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
-    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or _turning(search.problem, best) or _wrong(search.problem, best):
+    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or turning(search.problem, best) or _wrong(search.problem, best):
         verdict = "unexplained"
     elif close:
         verdict = "ambiguous"
@@ -199,7 +199,7 @@ def _astray(search: Search) -> list[tuple[str, float]]:
     return [(problem.nuisances[at].words, float(moved[at])) for at in problem.unknowns.scales if insists[at] and abs(moved[at]) >= ASTRAY]
 
 
-def _turning(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
+def turning(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
     """Return the gears on which index errors of a fit hold waves once to three times a turn that no teeth have by chance."""
     waves = zip(MEMBERS, uneven(problem, fit)[1], strict=True)
     return [(f"a wave of the index errors of the {gear}", float(size)) for gear, size in waves if size > LOST]

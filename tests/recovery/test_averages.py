@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from gearfem.diagnosis import choose, compare, read_campaign
+from gearfem.diagnosis import Diagnosis, choose, compare, name, read_campaign
 from gearfem.diagnosis.averages import (
     HAMMERING,
     MOVING,
@@ -177,6 +179,21 @@ def test_single_teeth_need_no_largest_kw(scattered: Comparison) -> None:
 )
 def test_the_verdict_is_that_on_means_and_on_single_teeth_together(means: Verdict, teeth: Verdict, left: float, verdict: Verdict) -> None:
     assert _verdict(means, teeth, left) == verdict
+
+
+def test_nothing_is_named_beside_a_wave_that_no_effect_stands_for(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An encoder off its centre, which is no effect, makes one, and its mean looks like wear."""
+    module = sys.modules["gearfem.diagnosis.name"]
+    problem, first = copy.copy(found.problem), found.naming
+    assert first.fit.effects
+    second = dataclasses.replace(first, verdict="unexplained", fit=first.alone, best=first.alone)
+    monkeypatch.setattr(module, "_of_all", lambda *args: (dataclasses.replace(first, verdict="ambiguous"), True))
+    for wavy, verdict in ((True, "unexplained"), (False, "ambiguous")):
+        monkeypatch.setattr(module, "_of_teeth", lambda *args, wavy=wavy: (second, wavy))
+        monkeypatch.setattr(module, "whole", lambda *args: first.fit)
+        naming = name(problem, first.alone, {})
+        assert naming.verdict == verdict
+        assert bool(naming.fit.effects) != wavy
 
 
 def test_an_effect_shows_in_means_unless_it_differs_from_pitch_to_pitch() -> None:
