@@ -16,7 +16,7 @@ from scipy.linalg import block_diag, orth
 from gearfem.diagnosis.approach import part_of
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.fit import AGAIN, Fit, again
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.pitch_point import turned_round
 from gearfem.diagnosis.problem import BenchOf, Problem
@@ -196,21 +196,22 @@ def stand(problem: Problem, fit: Fit, teeth: Problem, single: Fit) -> Fit:
     teeth, single : Problem, Fit
         From `of_single_teeth` under it: constants, index errors, waviness and effects of single teeth.
     """
-    effects, own, split = (*fit.effects, *single.effects), single.point.unknown, teeth.unknowns.first_form
+    both, own, split = beside(fit, single), single.point.unknown, teeth.unknowns.first_form
     settings = dataclasses.replace(fit.settings, pinion_late=single.settings.pinion_late, wheel_late=single.settings.wheel_late)
     known = problem.unknowns.of(settings)
     unknown = np.concatenate([known[: problem.outer], own[:split], known[problem.unknowns.wrong], own[split:]])
-    problem.prepare(effects, unknown)
-    point = dataclasses.replace(problem.at(effects, unknown, single.point.weights), unknown=unknown)
-    bound = (*fit.bound, *((number + len(fit.effects), field) for number, field in single.bound))
+    problem.prepare(both.effects, unknown)
+    point = dataclasses.replace(problem.at(both.effects, unknown, single.point.weights), unknown=unknown)
+    return dataclasses.replace(both, objective=point.objective, point=point, settings=problem.settings(unknown))
+
+
+def beside(known: Fit, further: Fit) -> Fit:
+    """Return a fit that was made under the effects of another one, these counted among its own."""
     return dataclasses.replace(
-        single,
-        effects=effects,
-        deviations=(*fit.deviations, *single.deviations),
-        bound=bound,
-        objective=point.objective,
-        point=point,
-        settings=problem.settings(unknown),
+        further,
+        effects=(*known.effects, *further.effects),
+        deviations=(*known.deviations, *further.deviations),
+        bound=(*known.bound, *((number + len(known.effects), field) for number, field in further.bound)),
     )
 
 
@@ -223,10 +224,17 @@ def whole(problem: Problem, means: Fit, single: Fit) -> Fit:
 def teeth_under(problem: Problem, settings: Settings, effects: tuple[Effect, ...], which: Which = every) -> tuple[Problem, Fit]:
     """Return the problem of single teeth under settings and effects that stand, see `of_single_teeth`, and its fit without further ones."""
     teeth = of_single_teeth(problem, settings, effects, which)
-    fit = again(teeth, (), np.zeros(teeth.unknowns.wrong.stop), TIMES)
-    teeth.remember(fit)
-    # Errors of the model that stay alike over many rows cost less: what further effects gain is counted from what this one costs then.
-    return teeth, teeth.fit((), fit.point.stood, rounds=1)
+    return teeth, bare(teeth, np.zeros(teeth.unknowns.wrong.stop), TIMES)
+
+
+def bare(rows: Problem, unknown: Array, times: int = AGAIN) -> Fit:
+    """Return the fit of records row by row without effects, from unknowns on.
+
+    Errors of the model that stay alike over many rows cost less: what effects gain is counted from what this fit costs then.
+    """
+    fit = again(rows, (), unknown, times)
+    rows.remember(fit)
+    return rows.fit((), fit.point.stood, rounds=1)
 
 
 def _mean(record: Measurement, noise: Noise, campaign: Campaign) -> Noise:

@@ -12,6 +12,8 @@ from gearfem.diagnosis.averages import (
     BY_ROWS,
     all_but_largest,
     averaged,
+    bare,
+    beside,
     has_means,
     row_by_row,
     shows_in_means,
@@ -89,11 +91,10 @@ def _of_all(
     if means.fit.effects or not any(turns_round(record) for record in problem.records):
         return means, False
     rows = row_by_row(problem, mean.known)
-    alone = again(rows, (), rows.unknowns.of(means.alone.settings))
-    rows.remember(alone)
-    found = select(rows, rows.fit((), alone.point.stood, rounds=1), kinds, progress, begun=True)
+    found = select(rows, bare(rows, rows.unknowns.of(means.alone.settings)), kinds, progress, begun=True)
     if not found.fit.effects:
-        return means if found.verdict == "no_discrepancy" else dataclasses.replace(means, verdict="unexplained"), False
+        verdict, said = _verdict(means.verdict, found.verdict, found.left), (f"row by row: {reason}" for reason in found.reasons)
+        return dataclasses.replace(means, verdict=verdict, reasons=(*means.reasons, *said)), False
     # What is found stands, and what means have besides must gain as any further effect.
     named = {type(effect) for effect in found.fit.effects}
     mean = averaged(problem, means.alone.settings, (*known, *found.fit.effects))
@@ -163,8 +164,8 @@ def _beside(worse: float, threshold: float) -> str:
 
 def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> tuple[Naming, bool]:
     """Return what single teeth and turns show beside a fit of the means, and whether the best explanation keeps waves of index errors."""
-    teeth, bare = teeth_under(problem, fit.settings, fit.effects, all_but_largest)
-    naming = select(teeth, bare, kinds, progress)
+    teeth, alone = teeth_under(problem, fit.settings, fit.effects, all_but_largest)
+    naming = select(teeth, alone, kinds, progress)
     return naming, bool(turning(teeth, naming.best))
 
 
@@ -192,13 +193,7 @@ def _anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -
 
 def _merged(first: Naming, second: Naming) -> Naming:
     """Return one verdict from that on slow records row by row and that on means under what it names."""
-    fit = dataclasses.replace(
-        second.fit,
-        effects=(*first.fit.effects, *second.fit.effects),
-        deviations=(*first.fit.deviations, *second.fit.deviations),
-        bound=(*first.fit.bound, *((number + len(first.fit.effects), field) for number, field in second.fit.bound)),
-    )
-    return _one(first, second, second.alone, fit, "All teeth, row by row", "All teeth, at speed")
+    return _one(first, second, second.alone, beside(first.fit, second.fit), "All teeth, row by row", "All teeth, at speed")
 
 
 def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Naming:
