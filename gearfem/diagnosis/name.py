@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 from gearfem.diagnosis.averages import (
     BY_ROWS,
+    SINGLE,
     all_but_largest,
     averaged,
     bare,
@@ -29,7 +30,7 @@ from gearfem.diagnosis.select import select
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.verdict import CLOSED, REST, Naming, Rival, Verdict, closure, gap_left, judge, sentence_of, turning
 from gearfem.effects.effect import Effect
-from gearfem.foundation import InputError, SolveError
+from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Verdicts that name something.
@@ -58,43 +59,63 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     Notes
     -----
     Effects of all teeth, and what does not come back with the turns, are selected by the means over the pitches (`averaged`), which say
-    where nuisances and errors of our own model stand, and where these name nothing by the slow records row by row (`row_by_row`); then,
-    these standing still, effects of single teeth and turns by the records row by row (`of_single_teeth`). Beside those the first kind is
-    judged anew, or selected anew where any of the second was found. Campaigns without a record over the pinion angle have no means and are
-    searched once for all effects.
+    where nuisances and errors of our own model stand; then, these standing still, effects of single teeth and turns by the records row by
+    row (`of_single_teeth`). Beside those the first kind is judged anew, or selected anew where any of the second was found, and those
+    judged anew beside it. What means name nothing of is asked from the slow records row by row (`row_by_row`). Campaigns without a record
+    over the pinion angle have no means and are searched once for all effects.
     """
     if not has_means(problem):
         return select(problem, alone, kinds, progress)
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
-    first, by_rows = _of_all(problem, alone.settings, (), common, progress)
+    first = _of_means(problem, alone.settings, (), common, progress)
     second, wavy = _of_teeth(problem, first.fit, single, progress)
+    taking_part = bool(second.fit.effects) if first.fit.effects else first.verdict == "unexplained" and _gains(second)
+    if not wavy and taking_part:
+        # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
+        first = _of_all(problem, second.best, common, progress)
+        if not second.fit.effects:
+            second, wavy = _of_teeth_anew(problem, first.fit, second, progress)
+    elif not wavy and first.fit.effects:
+        first = _of_means_anew(problem, first, second, progress)
+    elif not wavy:
+        rows = _by_rows(problem, first, second.fit.effects, common, progress)
+        if rows.fit.effects:
+            second, wavy = _of_teeth(problem, rows.fit, single, progress)
+        first = rows
     if wavy:
         # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
         first = dataclasses.replace(first, verdict="unexplained", fit=first.alone, p_values=())
-    elif second.fit.effects and (first.fit.effects or first.verdict == "unexplained"):
-        # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
-        first, _ = _of_all(problem, second.fit.settings, second.fit.effects, common, progress)
-    elif first.fit.effects and not by_rows:
-        first = _anew(problem, first, second, progress)
     return _joined(problem, alone, first, second)
 
 
-def _of_all(
-    problem: Problem, settings: Settings, known: tuple[Effect, ...], kinds: Mapping[str, type[Effect]], progress: Progress
-) -> tuple[Naming, bool]:
-    """Return the verdict on what all teeth have, under known effects of single ones, and whether it took slow records row by row.
+def _gains(naming: Naming) -> bool:
+    """Return whether the best explanation of single teeth gains what a name of these needs, though too much may be left for a name."""
+    return bool(naming.best.effects) and naming.alone.objective - naming.best.objective > SINGLE
 
-    These are asked where means name nothing.
-    """
+
+def _of_all(problem: Problem, single: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
+    """Return the verdict on what all teeth have, under the effects of single ones of a fit."""
+    means = _of_means(problem, single.settings, single.effects, kinds, progress)
+    return means if means.fit.effects else _by_rows(problem, means, single.effects, kinds, progress)
+
+
+def _of_means(
+    problem: Problem, settings: Settings, known: tuple[Effect, ...], kinds: Mapping[str, type[Effect]], progress: Progress
+) -> Naming:
+    """Return the verdict on the means over the pitches, index errors as settings have them, under known effects of single teeth."""
     mean = averaged(problem, settings, known)
-    means = _told_apart(problem, mean, select(mean, again(mean, (), mean.unknowns.of(settings)), kinds, progress), progress)
-    if means.fit.effects or not any(turns_round(record) for record in problem.records):
-        return means, False
-    rows = row_by_row(problem, mean.known)
+    return _told_apart(problem, mean, select(mean, again(mean, (), mean.unknowns.of(settings)), kinds, progress), progress)
+
+
+def _by_rows(problem: Problem, means: Naming, known: tuple[Effect, ...], kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
+    """Return the verdict on what all teeth have, under known effects of single ones, by slow records row by row: means have named none."""
+    if not any(turns_round(record) for record in problem.records):
+        return means
+    rows = row_by_row(problem, known)
     found = select(rows, bare(rows, rows.unknowns.of(means.alone.settings)), kinds, progress, begun=True)
     if not found.fit.effects:
         verdict, said = _verdict(means.verdict, found.verdict, found.left), (f"row by row: {reason}" for reason in found.reasons)
-        return dataclasses.replace(means, verdict=verdict, reasons=(*means.reasons, *said)), False
+        return dataclasses.replace(means, verdict=verdict, reasons=(*means.reasons, *said))
     # What is found stands, and what means have besides must gain as any further effect.
     named = {type(effect) for effect in found.fit.effects}
     mean = averaged(problem, means.alone.settings, (*known, *found.fit.effects))
@@ -102,7 +123,7 @@ def _of_all(
     base = again(mean, (), mean.unknowns.of(dataclasses.replace(means.alone.settings, **felt, errors=found.fit.settings.errors)))
     mean.least = max(FURTHER_LEAST * mean.wander, FURTHER_OTHER * (found.alone.objective - found.fit.objective))
     others = {word: kind for word, kind in kinds.items() if kind not in named}
-    return _merged(found, select(mean, base, others, progress, begun=True)), True
+    return _merged(found, select(mean, base, others, progress, begun=True))
 
 
 def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progress) -> Naming:
@@ -169,26 +190,36 @@ def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], pro
     return naming, bool(turning(teeth, naming.best))
 
 
-def _anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -> Naming:
+def _of_teeth_anew(problem: Problem, fit: Fit, second: Naming, progress: Progress) -> tuple[Naming, bool]:
+    """Return the same again, what all teeth have being known beside it by now."""
+    teeth, alone = teeth_under(problem, fit.settings, fit.effects, all_but_largest)
+    naming = _anew(teeth, alone, second.best.point.stood, second, "effects of single teeth again", progress)
+    return naming, bool(turning(teeth, naming.best))
+
+
+def _of_means_anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -> Naming:
     """Return the verdict on the means again, single teeth as they have been found beside it."""
     mean = averaged(problem, second.fit.settings)
-    start = mean.unknowns.of(first.best.settings)
-    search = Search(mean, again(mean, (), mean.unknowns.of(first.alone.settings)))
-    sets = [first.best.effects, *(rival.effects for rival in first.rivals if rival.near)]
+    alone = again(mean, (), mean.unknowns.of(first.alone.settings))
+    naming = _anew(mean, alone, mean.unknowns.of(first.best.settings), first, "effects of all teeth again", progress)
+    return _told_apart(problem, mean, naming, progress)
+
+
+def _anew(problem: Problem, alone: Fit, start: Array, naming: Naming, words: str, progress: Progress) -> Naming:
+    """Return a verdict again, its best explanation and those near it fitted from unknowns on; what lost by far is not fitted again."""
+    search = Search(problem, alone)
+    sets = [naming.best.effects, *(rival.effects for rival in naming.rivals if rival.near)]
     for number, effects in enumerate(sets):
-        progress("effects of all teeth again", number, len(sets))
+        progress(words, number, len(sets))
         if effects:
-            try:
-                search.fits[label(effects)] = again(mean, effects, start)
-            except (InputError, SolveError):
-                continue
-    progress("effects of all teeth again", len(sets), len(sets))
+            with contextlib.suppress(InputError, SolveError):
+                search.fits[label(effects)] = again(problem, effects, start)
+    progress(words, len(sets), len(sets))
     best = search.best()
-    mean.prepare(best.effects, best.point.stood)
-    judged = judge(search, first.identifiable)
-    # What lost by far before is not fitted again.
-    lost = tuple(rival for rival in first.rivals if label(rival.effects) not in search.fits)
-    return _told_apart(problem, mean, dataclasses.replace(judged, rivals=(*judged.rivals, *lost)), progress)
+    problem.prepare(best.effects, best.point.stood)
+    judged = judge(search, naming.identifiable)
+    lost = tuple(rival for rival in naming.rivals if label(rival.effects) not in search.fits)
+    return dataclasses.replace(judged, rivals=(*judged.rivals, *lost))
 
 
 def _merged(first: Naming, second: Naming) -> Naming:
