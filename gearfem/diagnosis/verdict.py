@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import sys
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -126,33 +127,13 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = (*_astray(search), *turning(search.problem, alone), *_misshapen(search.problem, alone))
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
-    if not best.effects or gained < search.problem.detected:
-        verdict: Verdict = "no_discrepancy" if level < 1.0 and not astray else "unexplained"
-    elif (remains > 1.0 and (closed < STANDS or remains > REST)) or turning(search.problem, best) or _wrong(search.problem, best):
-        verdict = "unexplained"
-    elif close:
-        verdict = "ambiguous"
-    elif closed >= CLOSED or remains < 1.0:
-        verdict = "explained"
-    else:
-        verdict = "partly_explained"
+    verdict = _verdict_on(search.problem, alone if gained < search.problem.detected else best, closed, (level, remains), not astray, close)
     if verdict == "ambiguous":
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
-    others = [(fit, scores[fit] - scores[named]) for fit in ranked if fit is not named]
-    rivals = tuple(
-        Rival(
-            effects=fit.effects,
-            score_difference=worse,
-            why=barred.get(fit) or (_why(fit, named, worse, limit(fit)) if named.effects else _why_none(-worse, search.problem.detected)),
-            near=bool(named.effects) and worse < limit(fit) and not barred.get(fit),
-            fit=fit,
-            p_values=tuple(_p_value(search, fit, number) for number in range(len(fit.effects))) if worse < limit(fit) else (),
-        )
-        for fit, worse in others
-    )
+    others = {fit: scores[fit] - scores[named] for fit in ranked if fit is not named}
     return Naming(
         verdict=verdict,
         fit=named,
@@ -161,7 +142,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
         closed=closed,
         left=remains,
-        rivals=rivals,
+        rivals=tuple(_rival(search, fit, named, worse, limit(fit), barred.get(fit, "")) for fit, worse in others.items()),
         identifiable=shown,
         threshold=max([threshold, *(limit(fit) for fit in close)]),
         sentence=sentence_of(verdict, named, closed),
@@ -173,6 +154,45 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
                 for words, moved in astray
             ),
         ),
+    )
+
+
+def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, float], sound: bool, close: Sequence[Fit]) -> Verdict:
+    """Return the verdict on the best explanation that gains enough, and on others as close.
+
+    Parameters
+    ----------
+    problem, best : Problem, Fit
+        What was fitted, and the explanation; one without effects if none gains enough.
+    closed : float
+        Share of the gap that it closes.
+    left : (float, float)
+        What nuisances alone leave and what it leaves, in gaps.
+    sound : bool
+        Whether nuisances alone do the work of no effect.
+    close : sequence of Fit
+        Explanations that the data cannot tell from it.
+    """
+    level, remains = left
+    if not best.effects:
+        return "no_discrepancy" if level < 1.0 and sound else "unexplained"
+    if (remains > 1.0 and (closed < STANDS or remains > REST)) or turning(problem, best) or _wrong(problem, best):
+        return "unexplained"
+    if close:
+        return "ambiguous"
+    return "explained" if closed >= CLOSED or remains < 1.0 else "partly_explained"
+
+
+def _rival(search: Search, fit: Fit, named: Fit, worse: float, limit: float, barred: str) -> Rival:
+    """Return an explanation beside what is named, whose score is so much worse; closer than a limit it cannot be told apart."""
+    needed = search.problem.detected
+    return Rival(
+        effects=fit.effects,
+        score_difference=worse,
+        why=barred or (_why(fit, named, worse, limit) if named.effects else _why_none(-worse, needed)),
+        near=bool(named.effects) and worse < limit and not barred,
+        fit=fit,
+        p_values=tuple(_p_value(search, fit, number) for number in range(len(fit.effects))) if worse < limit else (),
     )
 
 
