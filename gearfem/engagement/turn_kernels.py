@@ -24,6 +24,8 @@ ROUNDS = 40
 # Newton's method converges quadratically: a load met to 1e-11 has its last digits.
 TOLERANCE = 1e-11
 FAR = 1.0
+# Pitches from one angle to the next within which its loads are a place to start from.
+NEAR = 0.1
 BUILD = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:8]
 
 
@@ -244,6 +246,38 @@ def start(torque: float, law: Any, lowest: float, step: float, count: int, desk:
     return least
 
 
+@inlined
+def settle(
+    torque: float, base: float, law: Any, lowest: float, step: float, count: int, desk: Any, matrix: Any, work: Any, right: Any
+) -> tuple[float, float]:
+    """Bring loads to their torque from those of `desk` on; return the transmission error less `base`, and its slope's reciprocal or 0.
+
+    Gaps count from `base`, so that small deflections keep their digits beside large ones; they stand as they were in the end.
+    """
+    for j in range(count):
+        desk[j, GAP] -= base
+    e, found = 0.0, 0.0
+    for _ in range(ROUNDS):
+        miss = respond(e, law, lowest, step, count, desk, matrix)
+        dual(desk, matrix, count, work, right)
+        missing, gain = torque, 0.0
+        for j in range(count):
+            missing -= desk[j, MOMENT] * desk[j, FORCE]
+            gain += desk[j, DUAL] * desk[j, STIFFNESS] * desk[j, LEVER]
+        if gain <= 0.0:
+            break
+        if miss < TOLERANCE and abs(missing) < TOLERANCE * torque:
+            found = gain
+            break
+        for j in range(count):
+            missing -= desk[j, DUAL] * desk[j, MISS]
+        shift(missing / gain, count, desk, matrix, work, right)
+        e += missing / gain
+    for j in range(count):
+        desk[j, GAP] += base
+    return e, found
+
+
 @compiled
 def share(
     q: Any,
@@ -291,35 +325,26 @@ def share(
         couple(q[row], first[row], count, partners, cknots, cbins, coupling, yielding * width, desk, matrix)
         for j in range(count):
             desk[j, MOMENT] = (desk[j, ARM1] + friction * np.sign(desk[j, SLIDING]) * desk[j, FRICTION1]) * width
-        e = start(torque[row], law, lowest, step, count, desk, matrix)
-        if not e < FAR:
-            return row
-        # Counted from the largest load of one pair, so that small deflections keep their digits beside large gaps.
-        base = e
-        for j in range(count):
-            desk[j, GAP] -= base
-        e, done = 0.0, False
-        for _ in range(ROUNDS):
-            miss = respond(e, law, lowest, step, count, desk, matrix)
-            dual(desk, matrix, count, work, right)
-            missing, gain = torque[row], 0.0
-            for j in range(count):
-                missing -= desk[j, MOMENT] * desk[j, FORCE]
-                gain += desk[j, DUAL] * desk[j, STIFFNESS] * desk[j, LEVER]
-            if gain <= 0.0:
+        # Angles mostly come in order, each so near the last that its loads are those to begin with.
+        near = row > 0 and first[row] == first[row - 1] and abs(q[row] - q[row - 1]) < NEAR
+        e, base, gain = 0.0, 0.0, 0.0
+        for attempt in range(2 if near else 1):
+            if near and attempt == 0:
+                base = error[row - 1]
+                for j in range(count):
+                    desk[j, FORCE] = 0.0 if desk[j, CELL] < 0.0 else force[row - 1, j] / width
+            else:
+                base = start(torque[row], law, lowest, step, count, desk, matrix)
+                if not base < FAR:
+                    return row
+            e, gain = settle(torque[row], base, law, lowest, step, count, desk, matrix, work, right)
+            if gain > 0.0:
                 break
-            if miss < TOLERANCE and abs(missing) < TOLERANCE * torque[row]:
-                done = True
-                break
-            for j in range(count):
-                missing -= desk[j, DUAL] * desk[j, MISS]
-            shift(missing / gain, count, desk, matrix, work, right)
-            e += missing / gain
-        if not done:
+        if gain <= 0.0:
             return row
         error[row], slope[row], moment2[row] = e + base, 1.0 / gain, 0.0
         for j in range(count):
-            if (e - desk[j, GAP]) * desk[j, LEVER] > top:
+            if (e + base - desk[j, GAP]) * desk[j, LEVER] > top:
                 return row
             force[row, j] = desk[j, FORCE] * width
             moment2[row] += force[row, j] * desk[j, ARM2]
