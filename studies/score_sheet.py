@@ -191,6 +191,7 @@ def case_rows(scores: Sequence[Scored]) -> list[dict[str, Any]]:
             "core_seconds": one.found.core_seconds,
             "suggestion": one.found.suggestion,
             "deciding": " ".join(one.label.deciding),
+            "program": one.found.code,
         }
         for one in scores
     ]

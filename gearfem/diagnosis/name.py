@@ -33,6 +33,8 @@ from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
+# Explanations without single teeth with which the search under these begins.
+BEGUN = 4
 # Verdicts that name something.
 NAMED: tuple[Verdict, ...] = ("explained", "partly_explained", "ambiguous")
 
@@ -67,12 +69,12 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     if not has_means(problem):
         return select(problem, alone, kinds, progress)
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
-    first = _of_means(problem, alone.settings, (), common, progress)
+    first = _of_means(problem, alone.settings, common, progress)
     second, wavy = _of_teeth(problem, first.fit, single, progress)
     taking_part = bool(second.fit.effects) if first.fit.effects else first.verdict == "unexplained" and _gains(second)
     if not wavy and taking_part:
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
-        first = _of_all(problem, second.best, common, progress)
+        first = _of_all(problem, first, second.best, common, progress)
         if not second.fit.effects:
             second, wavy = _of_teeth_anew(problem, first.fit, second, progress)
     elif not wavy and first.fit.effects:
@@ -93,18 +95,34 @@ def _gains(naming: Naming) -> bool:
     return bool(naming.best.effects) and naming.alone.objective - naming.best.objective > SINGLE
 
 
-def _of_all(problem: Problem, single: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
-    """Return the verdict on what all teeth have, under the effects of single ones of a fit."""
-    means = _of_means(problem, single.settings, single.effects, kinds, progress)
+def _of_all(problem: Problem, first: Naming, single: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
+    """Return the verdict on what all teeth have again, now under the effects of single ones of a fit."""
+    means = _of_means(problem, single.settings, kinds, progress, single.effects, first)
     return means if means.fit.effects else _by_rows(problem, means, single.effects, kinds, progress)
 
 
 def _of_means(
-    problem: Problem, settings: Settings, known: tuple[Effect, ...], kinds: Mapping[str, type[Effect]], progress: Progress
+    problem: Problem,
+    settings: Settings,
+    kinds: Mapping[str, type[Effect]],
+    progress: Progress,
+    known: tuple[Effect, ...] = (),
+    before: Naming | None = None,
 ) -> Naming:
-    """Return the verdict on the means over the pitches, index errors as settings have them, under known effects of single teeth."""
+    """Return the verdict on the means over the pitches, index errors as settings have them.
+
+    Under known effects of single teeth, if any; a verdict without these tells with which explanations to begin.
+    """
     mean = averaged(problem, settings, known)
-    return _told_apart(problem, mean, select(mean, again(mean, (), mean.unknowns.of(settings)), kinds, progress), progress)
+    alone = again(mean, (), mean.unknowns.of(settings))
+    found = None if before is None else [(fit.effects, mean.unknowns.of(fit.settings)) for fit in _first(before)]
+    return _told_apart(problem, mean, select(mean, alone, kinds, progress, found), progress)
+
+
+def _first(naming: Naming) -> list[Fit]:
+    """Return the fits of the best explanations."""
+    fits = {label(fit.effects): fit for fit in (naming.best, *(rival.fit for rival in naming.rivals)) if fit.effects}
+    return list(fits.values())[:BEGUN]
 
 
 def _by_rows(problem: Problem, means: Naming, known: tuple[Effect, ...], kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
@@ -112,7 +130,7 @@ def _by_rows(problem: Problem, means: Naming, known: tuple[Effect, ...], kinds: 
     if not any(turns_round(record) for record in problem.records):
         return means
     rows = row_by_row(problem, known)
-    found = select(rows, bare(rows, rows.unknowns.of(means.alone.settings)), kinds, progress, begun=True)
+    found = select(rows, bare(rows, rows.unknowns.of(means.alone.settings)), kinds, progress, found=())
     if not found.fit.effects:
         verdict, said = _verdict(means.verdict, found.verdict, found.left), (f"row by row: {reason}" for reason in found.reasons)
         return dataclasses.replace(means, verdict=verdict, reasons=(*means.reasons, *said))
@@ -123,7 +141,7 @@ def _by_rows(problem: Problem, means: Naming, known: tuple[Effect, ...], kinds: 
     base = again(mean, (), mean.unknowns.of(dataclasses.replace(means.alone.settings, **felt, errors=found.fit.settings.errors)))
     mean.least = max(FURTHER_LEAST * mean.wander, FURTHER_OTHER * (found.alone.objective - found.fit.objective))
     others = {word: kind for word, kind in kinds.items() if kind not in named}
-    return _merged(found, select(mean, base, others, progress, begun=True))
+    return _merged(found, select(mean, base, others, progress, found=()))
 
 
 def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progress) -> Naming:

@@ -36,7 +36,7 @@ MOST = 3
 NEAR, RIVALS = 0.3, 3
 # What a fit may leave of a record, over what can be expected, before another start is tried.
 FAR = 2.0
-# Share of what counts as detected that a fit with a further effect must promise to gain beside the one it builds on, or it is given up.
+# Share of what a further name must gain that a fit with one must promise beside the one it builds on, or it is given up.
 LITTLE = 0.5
 # Waves a turn of index errors that are looked at.
 WAVES = 3
@@ -64,7 +64,7 @@ class Search:
         """
         new = [start for start in starts if anew or label(start[0]) not in self.fits]
         best = min(fit.objective for fit in self.fits.values())
-        worth, further = 0.5 * (self.alone.objective + best), base.objective - LITTLE * self.problem.detected
+        worth, further = 0.5 * (self.alone.objective + best), base.objective - LITTLE * self.further_least()
 
         def one(start: Start) -> Fit | None:
             hopeless = further if base.effects and len(start[0]) > len(base.effects) else worth
@@ -186,11 +186,7 @@ class Search:
 
     def best(self, most: int = MOST) -> Fit:
         """Return the fit of the best score that may be named; effects beside the first pay for themselves too."""
-        least = min(fit.objective for fit in self.fits.values())
-        like, other = (
-            max(FURTHER_LEAST * self.problem.wander, self.problem.detected, share * (self.alone.objective - least))
-            for share in (FURTHER, FURTHER_OTHER)
-        )
+        like, other = (self.further_least(share) for share in (FURTHER, FURTHER_OTHER))
 
         def price(fit: Fit) -> float:
             ways = len({way_of(effect) for effect in fit.effects})
@@ -199,6 +195,11 @@ class Search:
 
         ranked = sorted((fit for fit in self.fits.values() if len(fit.effects) <= most), key=price)
         return next(fit for fit in ranked if not self.barred(fit))
+
+    def further_least(self, share: float = FURTHER_OTHER) -> float:
+        """Return what a name beside others must gain, if it is at least a share of what explanations gain at most."""
+        most = self.alone.objective - min(fit.objective for fit in self.fits.values())
+        return max(FURTHER_LEAST * self.problem.wander, self.problem.detected, share * most)
 
     def barred(self, fit: Fit) -> str:
         """Return why a fit may not be named, in words; empty if it may.

@@ -18,6 +18,7 @@ from gearfem.diagnosis.search import MOST, Search, Start, label, stays, way_of, 
 from gearfem.diagnosis.shapes import bounded, stands
 from gearfem.diagnosis.verdict import Naming, gap_left, judge
 from gearfem.effects.effect import Effect
+from gearfem.foundation import Array
 from gearfem.foundation.progress import Progress, quiet
 
 # Single effects, and further ones beside the best, that are fitted.
@@ -33,11 +34,17 @@ SETTLED, FURTHER_SETTLED = 4, 2
 SPLITS = (0.2, 0.35, 0.5, 0.65, 0.8)
 # Cosine of two responses, freed from all nuisances, from which on one may pass for the other; and how many of those are fitted.
 NEAR, MOST_ALIKE = 0.5, 4
-# What a candidate must promise to be fitted, in parts of what a name must gain.
-PROMISING = 0.125
+# What a candidate must promise to be fitted, in parts of what a name must gain, and beside others, of what a further one must at least.
+PROMISING, FURTHER_PROMISING = 0.125, 0.25
 
 
-def select(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet, begun: bool = False) -> Naming:
+def select(
+    problem: Problem,
+    alone: Fit,
+    kinds: Mapping[str, type[Effect]],
+    progress: Progress = quiet,
+    found: Sequence[tuple[tuple[Effect, ...], Array]] | None = None,
+) -> Naming:
     """Choose the effects that explain what nuisances leave of one problem.
 
     Parameters
@@ -50,8 +57,9 @@ def select(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], prog
         Effects to choose among.
     progress : Progress
         Told how far the search is.
-    begun : bool
-        Whether nuisances stand where other records have left them: then no effect is sought in their place.
+    found : sequence of (tuple of Effect, ndarray of shape (k,)), optional
+        Explanations that were found before or from other records, and the unknowns to start from. Nuisances stand where these have left
+        them: no further effect is sought in their place.
 
     Returns
     -------
@@ -76,13 +84,15 @@ def select(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], prog
     if _agrees(search, first):
         return judge(search, shown)
     _singles(search, alone, first, progress)
-    if not (begun or _sound(search)):
+    if found is not None:
+        search.settle_from(found, progress, "explanations found before")
+    elif not _sound(search):
         search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
     if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * search.problem.detected:
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
-    if not begun:
+    if found is None:
         _in_place(search, first, progress)
     _further(search, first, progress)
     _eliminate(search)
@@ -118,7 +128,7 @@ def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progre
         again = [
             c
             for c in rank_again(problem, best, candidates, progress)
-            if c.gain > PROMISING * problem.wander and label((c.effect,))[0] not in named
+            if c.gain > FURTHER_PROMISING * search.further_least() and label((c.effect,))[0] not in named
         ]
         starts: list[Start] = [((*best.effects, candidate.start(setup)), candidate.unknown) for candidate in _of_each_way(_apart(again))]
         search.fit(starts, best, progress, "further effects")

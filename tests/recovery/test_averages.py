@@ -206,7 +206,7 @@ def test_means_are_asked_again_under_a_tooth_that_gains_much_and_is_no_name_yet(
     for gained, verdict in ((2.0 * SINGLE, "explained"), (0.5 * SINGLE, "unexplained")):
         pit = dataclasses.replace(named.fit, objective=alone.objective - gained)
         unnamed = dataclasses.replace(nothing, best=pit)
-        monkeypatch.setattr(module, "_of_means", lambda problem, settings, known, *args: named if known else nothing)
+        monkeypatch.setattr(module, "_of_means", lambda problem, settings, kinds, progress, known=(), *args: named if known else nothing)
         monkeypatch.setattr(module, "_by_rows", lambda problem, means, *args: means)
         monkeypatch.setattr(module, "_of_teeth", lambda *args, unnamed=unnamed: (unnamed, False))
         monkeypatch.setattr(module, "_of_teeth_anew", lambda *args: (named, False))
@@ -257,7 +257,7 @@ def test_a_relief_that_means_do_not_name_is_named_row_by_row(tmp_path: Path) -> 
     plan = PLAN | {"record": [record | {"turns": 3.4} for record in PLAN["record"]], "scatter": {"index_error_um": 1.0}}
     comparison = compare(read_campaign(on_the_rig(tmp_path, {"effect": [small]}, plan)))
     problem, settings, kinds = comparison.problem, comparison.alone.settings, choose(catalogue(), ["tip_relief"])
-    means = _of_means(problem, settings, (), kinds, quiet)
+    means = _of_means(problem, settings, kinds, quiet)
     assert not means.fit.effects
     naming = _by_rows(problem, means, (), kinds, quiet)
     assert naming.verdict == "explained"
