@@ -10,7 +10,6 @@ from collections.abc import Mapping
 
 from gearfem.diagnosis.averages import (
     BY_ROWS,
-    SINGLE,
     all_but_largest,
     averaged,
     bare,
@@ -71,12 +70,12 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
     first = _of_means(problem, alone.settings, common, progress)
     second, wavy = _of_teeth(problem, first.fit, single, progress)
-    taking_part = bool(second.fit.effects) if first.fit.effects else first.verdict == "unexplained" and _gains(second)
+    taking_part = bool(second.fit.effects) if first.fit.effects else first.verdict == "unexplained" and second.gains
     if not wavy and taking_part:
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
         first = _of_all(problem, first, second.best, common, progress)
         if not second.fit.effects:
-            second, wavy = _of_teeth_anew(problem, first.fit, second, progress)
+            second, wavy = _of_teeth(problem, first.fit, single, progress, second)
     elif not wavy and first.fit.effects:
         first = _of_means_anew(problem, first, second, progress)
     elif not wavy:
@@ -88,11 +87,6 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
         first = dataclasses.replace(first, verdict="unexplained", fit=first.alone, p_values=())
     return _joined(problem, alone, first, second)
-
-
-def _gains(naming: Naming) -> bool:
-    """Return whether the best explanation of single teeth gains what a name of these needs, though too much may be left for a name."""
-    return bool(naming.best.effects) and naming.alone.objective - naming.best.objective > SINGLE
 
 
 def _of_all(problem: Problem, first: Naming, single: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
@@ -201,17 +195,18 @@ def _beside(worse: float, threshold: float) -> str:
     return f"leaves more of slow records row by row: score worse by {worse:.1f}"
 
 
-def _of_teeth(problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> tuple[Naming, bool]:
-    """Return what single teeth and turns show beside a fit of the means, and whether the best explanation keeps waves of index errors."""
-    teeth, alone = teeth_under(problem, fit.settings, fit.effects, all_but_largest)
-    naming = select(teeth, alone, kinds, progress)
-    return naming, bool(turning(teeth, naming.best))
+def _of_teeth(
+    problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress, before: Naming | None = None
+) -> tuple[Naming, bool]:
+    """Return what single teeth and turns show beside a fit of the means, and whether the best explanation keeps waves of index errors.
 
-
-def _of_teeth_anew(problem: Problem, fit: Fit, second: Naming, progress: Progress) -> tuple[Naming, bool]:
-    """Return the same again, what all teeth have being known beside it by now."""
+    A verdict beside another fit is judged anew.
+    """
     teeth, alone = teeth_under(problem, fit.settings, fit.effects, all_but_largest)
-    naming = _anew(teeth, alone, second.best.point.stood, second, "effects of single teeth again", progress)
+    if before is None:
+        naming = select(teeth, alone, kinds, progress)
+    else:
+        naming = _anew(teeth, alone, before.best.point.stood, before, "effects of single teeth again", progress)
     return naming, bool(turning(teeth, naming.best))
 
 
@@ -271,6 +266,7 @@ def _one(first: Naming, second: Naming, alone: Fit, fit: Fit, *words: str) -> Na
         alone=alone,
         best=fit if fit.effects or not best else dataclasses.replace(fit, effects=best),
         p_values=tuple(chance for one in named for chance in one.p_values),
+        gains=first.gains or second.gains,
         closed=closed,
         left=max(first.left, second.left),
         rivals=tuple(sorted(rivals, key=lambda rival: rival.score_difference)),

@@ -10,7 +10,7 @@ import numpy as np
 from gearfem.diagnosis.candidate import Candidate, together
 from gearfem.diagnosis.few import judge_few
 from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.identify import identify
+from gearfem.diagnosis.identify import Identifiability, identify
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.screen import in_place, screened
@@ -97,6 +97,12 @@ def select(
     _further(search, first, progress)
     _eliminate(search)
     _twins(search, first, progress)
+    return _concluded(search, shown, progress)
+
+
+def _concluded(search: Search, shown: tuple[Identifiability, ...], progress: Progress) -> Naming:
+    """Return the verdict once the best explanation and all that come near it are fitted again, from where that stands too."""
+    problem = search.problem
     best = search.best()
     problem.prepare(best.effects, best.point.unknown)
     memory = problem.memory

@@ -81,6 +81,8 @@ class Naming(Record):
         The best explanation, named or not.
     p_values : tuple of float
         Of each named effect: chance that noise and our own errors do as much, times the effects, gears and teeth tried.
+    gains : bool
+        Whether the best explanation gains what a name must.
     closed, left : float
         Share of the gap that the best explanation closes, and what it leaves, in gaps.
     rivals : tuple of Rival
@@ -100,6 +102,7 @@ class Naming(Record):
     alone: Fit
     best: Fit
     p_values: tuple[float, ...]
+    gains: bool
     closed: float
     left: float
     rivals: tuple[Rival, ...]
@@ -127,7 +130,8 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = (*_astray(search), *turning(search.problem, alone), *_misshapen(search.problem, alone))
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
-    verdict = _verdict_on(search.problem, alone if gained < search.problem.detected else best, closed, (level, remains), not astray, close)
+    gains = bool(best.effects) and gained >= search.problem.detected
+    verdict = _verdict_on(search.problem, best if gains else alone, closed, (level, remains), not astray, close)
     if verdict == "ambiguous":
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
@@ -140,6 +144,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         alone=alone,
         best=best,
         p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
+        gains=gains,
         closed=closed,
         left=remains,
         rivals=tuple(_rival(search, fit, named, worse, limit(fit), barred.get(fit, "")) for fit, worse in others.items()),

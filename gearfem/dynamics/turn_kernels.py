@@ -27,6 +27,7 @@ from gearfem.engagement.turn_kernels import (
     cubic,
     find,
     inlined,
+    keep,
     lay,
     respond,
     shift,
@@ -122,15 +123,7 @@ def arrange(q: float, first: int, teeth: Teeth, rows: Rows, desk: Any, matrix: A
         rows.early, count, desk,
     )
     # fmt: on
-    if found != first:
-        for slot in range(count):
-            right[slot] = desk[slot, FORCE]
-        for slot in range(count):
-            before = slot + found - first
-            desk[slot, FORCE] = right[before] if 0 <= before < count else 0.0
-    for slot in range(count):
-        if desk[slot, CELL] < 0.0:
-            desk[slot, FORCE] = 0.0
+    keep(found - first, count, desk, right)
     couple(q, found, count, rows.partners, rows.cknots, rows.cbins, rows.coupling, teeth.yielding * teeth.width, desk, matrix)
     return int(found)
 

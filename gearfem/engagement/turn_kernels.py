@@ -113,6 +113,20 @@ def lay(
 
 
 @inlined
+def keep(passed: int, count: int, desk: Any, right: Any) -> None:
+    """Leave loads with their pairs once the desk is laid so many pairs on; pairs out of reach bear none."""
+    if passed != 0:
+        for slot in range(count):
+            right[slot] = desk[slot, FORCE]
+        for slot in range(count):
+            before = slot + passed
+            desk[slot, FORCE] = right[before] if 0 <= before < count else 0.0
+    for slot in range(count):
+        if desk[slot, CELL] < 0.0:
+            desk[slot, FORCE] = 0.0
+
+
+@inlined
 def couple(
     q: float,
     first: int,
@@ -325,21 +339,17 @@ def share(
         couple(q[row], first[row], count, partners, cknots, cbins, coupling, yielding * width, desk, matrix)
         for j in range(count):
             desk[j, MOMENT] = (desk[j, ARM1] + friction * np.sign(desk[j, SLIDING]) * desk[j, FRICTION1]) * width
-        # Angles mostly come in order, each so near the last that its loads are those to begin with.
-        near = row > 0 and first[row] == first[row - 1] and abs(q[row] - q[row - 1]) < NEAR
         e, base, gain = 0.0, 0.0, 0.0
-        for attempt in range(2 if near else 1):
-            if near and attempt == 0:
-                base = error[row - 1]
-                for j in range(count):
-                    desk[j, FORCE] = 0.0 if desk[j, CELL] < 0.0 else force[row - 1, j] / width
-            else:
-                base = start(torque[row], law, lowest, step, count, desk, matrix)
-                if not base < FAR:
-                    return row
+        # Angles mostly come in order, each so near the last that its loads are those to begin with.
+        if row > 0 and abs(q[row] - q[row - 1]) < NEAR:
+            keep(first[row] - first[row - 1], count, desk, right)
+            base = error[row - 1]
             e, gain = settle(torque[row], base, law, lowest, step, count, desk, matrix, work, right)
-            if gain > 0.0:
-                break
+        if gain <= 0.0:
+            base = start(torque[row], law, lowest, step, count, desk, matrix)
+            if not base < FAR:
+                return row
+            e, gain = settle(torque[row], base, law, lowest, step, count, desk, matrix, work, right)
         if gain <= 0.0:
             return row
         error[row], slope[row], moment2[row] = e + base, 1.0 / gain, 0.0

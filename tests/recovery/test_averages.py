@@ -15,7 +15,6 @@ from gearfem.diagnosis.averages import (
     HAMMERING,
     MOVING,
     PLACES,
-    SINGLE,
     _floor,
     _hammers,
     _mean,
@@ -203,13 +202,15 @@ def test_means_are_asked_again_under_a_tooth_that_gains_much_and_is_no_name_yet(
     problem, named = copy.copy(found.problem), found.naming
     alone = named.alone
     nothing = dataclasses.replace(named, verdict="unexplained", fit=alone, best=alone, p_values=())
-    for gained, verdict in ((2.0 * SINGLE, "explained"), (0.5 * SINGLE, "unexplained")):
-        pit = dataclasses.replace(named.fit, objective=alone.objective - gained)
-        unnamed = dataclasses.replace(nothing, best=pit)
+    for gains, verdict in ((True, "explained"), (False, "unexplained")):
+        unnamed = dataclasses.replace(nothing, best=named.fit, gains=gains)
         monkeypatch.setattr(module, "_of_means", lambda problem, settings, kinds, progress, known=(), *args: named if known else nothing)
         monkeypatch.setattr(module, "_by_rows", lambda problem, means, *args: means)
-        monkeypatch.setattr(module, "_of_teeth", lambda *args, unnamed=unnamed: (unnamed, False))
-        monkeypatch.setattr(module, "_of_teeth_anew", lambda *args: (named, False))
+        monkeypatch.setattr(
+            module,
+            "_of_teeth",
+            lambda problem, fit, kinds, progress, before=None, unnamed=unnamed: (unnamed if before is None else named, False),
+        )
         monkeypatch.setattr(module, "whole", lambda *args: named.fit)
         assert name(problem, alone, {}).verdict == verdict
 
@@ -233,6 +234,7 @@ def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaig
         alone=bare,
         best=wrong,
         p_values=(0.1,),
+        gains=True,
         closed=1.0,
         left=0.9,
         rivals=(Rival(effects=right.effects, score_difference=5.0, why="", near=True, fit=right, p_values=(0.5,)),),
