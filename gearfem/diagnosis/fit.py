@@ -170,6 +170,9 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
                 break
     problem.__dict__.update(there.__dict__)
     best, least = _eased(problem, best, least)
+    if not math.isfinite(problem.left_at(best.effects, best.unknown)):
+        # As if all were linear it would end where there is no model.
+        best = problem.still(best)
     return _standing(problem, best, least, jacobian(problem, best))
 
 

@@ -3,33 +3,42 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 
 from gearfem.diagnosis.prove import Proof
-from gearfem.diagnosis.verdict import Naming, sentence_of
+from gearfem.diagnosis.verdict import Naming, Verdict, sentence_of
 
 # What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed.
 OPEN, CLOSES = 2.0, 0.5
-# What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation; and where
-# nuisances stray, which foretell other records too then.
+# What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation of a gap that stays
+# open; and of any, where nuisances stray, which foretell other records too then.
 WORSE, FAR_WORSE = 0.97, 0.5
-# Standard errors by which they must do worse.
+# Standard errors by which a name must do better, or worse.
 SURE = 2.0
 
 
 def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     """Return the verdict as the records held out leave it.
 
-    A gap that stays open there is not explained, and effects that do worse there than nuisances alone are no explanation: surely worse, or
-    so that a gap stays open. Where these do the work of an effect, by far worse: index errors of all teeth, say, are as good as a runout.
+    Parameters
+    ----------
+    naming, proof : Naming, Proof
+        The verdict so far, and what is left of each record.
+    sound : bool
+        Whether nuisances alone do the work of no effect.
+
+    Notes
+    -----
+    Effects that do not surely leave less there than nuisances alone are no explanation, and the verdict is that without any. Where
+    nuisances do the work of an effect they foretell other records too (index errors of all teeth, say, are as good as a runout), and names
+    must surely be by far worse before they are none; or leave open what nuisances foretell better. A gap that stays open is not explained.
     """
-    over = math.inf if proof.over_nuisances is None else proof.over_nuisances
+    over, doubt = proof.over_nuisances, SURE * (proof.stderr or 0.0)
     far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms]
-    surely = over < (WORSE if sound else FAR_WORSE) and (proof.stderr is None or over + SURE * proof.stderr < 1.0)
-    if naming.verdict in ("explained", "partly_explained") and (surely or (far and over < WORSE)):
-        reason = f"On records held out, {naming.fit.effects[0].name} and what stands beside it leave more than nuisances alone."
-        sentence, reasons = sentence_of("unexplained", naming.alone, naming.closed), (*naming.reasons, reason)
-        return dataclasses.replace(naming, verdict="unexplained", fit=naming.alone, p_values=(), sentence=sentence, reasons=reasons)
+    if naming.fit.effects and over is not None:
+        if over - doubt < 1.0 if sound else over < FAR_WORSE and over + doubt < 1.0:
+            return _withdrawn(naming, naming.without if sound else "unexplained", "do not surely leave less than nuisances alone")
+        if far and over < WORSE and naming.verdict != "ambiguous":
+            return _withdrawn(naming, "unexplained", "leave more than nuisances alone")
     open_gaps = [gap for gap in far if gap.closure < CLOSES]
     if naming.verdict != "explained" or not open_gaps:
         return naming
@@ -37,3 +46,11 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     reason = f"A gap stays open on records held out ({files}): something else acts there, or the effects are not quite these."
     sentence = sentence_of("partly_explained", naming.fit, naming.closed)
     return dataclasses.replace(naming, verdict="partly_explained", sentence=sentence, reasons=(*naming.reasons, reason))
+
+
+def _withdrawn(naming: Naming, verdict: Verdict, words: str) -> Naming:
+    """Return a verdict that names nothing, and why."""
+    beside = " and what stands beside it" if len(naming.fit.effects) > 1 else ""
+    reason = f"On records held out, {naming.fit.effects[0].name}{beside} {words}."
+    sentence = sentence_of(verdict, naming.alone, naming.closed)
+    return dataclasses.replace(naming, verdict=verdict, fit=naming.alone, p_values=(), sentence=sentence, reasons=(*naming.reasons, reason))

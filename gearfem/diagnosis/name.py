@@ -127,7 +127,8 @@ def _by_rows(problem: Problem, means: Naming, known: tuple[Effect, ...], kinds: 
     found = select(rows, bare(rows, rows.unknowns.of(means.alone.settings)), kinds, progress, found=())
     if not found.fit.effects:
         verdict, said = _verdict(means.verdict, found.verdict, found.left), (f"row by row: {reason}" for reason in found.reasons)
-        return dataclasses.replace(means, verdict=verdict, reasons=(*means.reasons, *said))
+        without = _verdict(means.without, found.without, found.left)
+        return dataclasses.replace(means, verdict=verdict, without=without, reasons=(*means.reasons, *said))
     # What is found stands, and what means have besides must gain as any further effect.
     named = {type(effect) for effect in found.fit.effects}
     mean = averaged(problem, means.alone.settings, (*known, *found.fit.effects))
@@ -266,6 +267,7 @@ def _one(first: Naming, second: Naming, alone: Fit, fit: Fit, *words: str) -> Na
         alone=alone,
         best=fit if fit.effects or not best else dataclasses.replace(fit, effects=best),
         p_values=tuple(chance for one in named for chance in one.p_values),
+        without=_verdict(first.without, second.without, second.left),
         gains=first.gains or second.gains,
         closed=closed,
         left=max(first.left, second.left),

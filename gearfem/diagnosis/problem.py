@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import math
 from collections.abc import Callable
 from typing import Any, TypeAlias
@@ -162,8 +163,9 @@ class Problem:
         ndarray, shape (k,)
             The unknowns, completed by zeros where there were fewer.
         """
-        self.effects, unknown = effects, self._beside(effects, unknown)
-        columns, white, self.rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
+        unknown = self._beside(effects, unknown)
+        columns, white, rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
+        self.effects, self.rise = effects, rise
         self._take(columns, white, self._served(effects))
         return np.concatenate([unknown, np.zeros(self.outer + columns[0].shape[1] - len(unknown))])
 
@@ -243,12 +245,25 @@ class Problem:
         """
         free = self.unknowns.at_limits(point.stood)
         places = self.unknowns.held[~free]
-        still = np.setdiff1d(np.arange(len(point.held)), places - self.outer)
         held, outer = point.stood[places], point.stood[: self.outer]
-        misfit = point.residual - self.held_columns[:, ~free] @ held
-        pulls = self.linear.pulls(misfit)[:, still]
-        solved, cost, _ = self._weigh(self.linear.some(still), pulls, self.squares(misfit), point.given, 1)
+        solved, cost, _ = self._held(point, places)
         return cost + float(solved @ solved + held @ held + outer @ outer) + self._price(point.effects, outer)
+
+    def still(self, point: Point) -> Point:
+        """Return a point with all that its prediction holds as it is, where `at` moves it as if all were linear."""
+        solved, _, places = self._held(point, self.unknowns.held)
+        unknown = point.stood
+        unknown[places] = solved
+        return dataclasses.replace(point, unknown=unknown)
+
+    def _held(self, point: Point, places: NDArray[Any]) -> tuple[Array, float, NDArray[Any]]:
+        """Return the linear unknowns that leave least, those at some places as predictions have them; what records cost; their places."""
+        moving = np.setdiff1d(np.arange(len(point.held)), places - self.outer)
+        at_places = np.isin(self.unknowns.held, places)
+        misfit = point.residual - self.held_columns[:, at_places] @ point.stood[places]
+        pulls = self.linear.pulls(misfit)[:, moving]
+        solved, cost, _ = self._weigh(self.linear.some(moving), pulls, self.squares(misfit), point.given, 1)
+        return solved, cost, moving + self.outer
 
     def foretold(self, point: Point, change: Array) -> Array:
         """Return the unknowns of a point, those that are linear moved to where they leave least once predictions change, (m,) whitened."""

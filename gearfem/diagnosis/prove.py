@@ -23,7 +23,7 @@ from gearfem.foundation import Array, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.sensing import Request, System, observe, requests
 
-# Blocks into which a record is cut to see how much what is left differs along it.
+# Part of a record over which what is left may be alike.
 BLOCKS = 10
 
 
@@ -248,13 +248,19 @@ def _pooled(gaps: list[tuple[Gap, Array]]) -> float:
 
 
 def _doubt(gaps: list[Gap]) -> float:
-    """Return the standard error of the pooled square that nuisances alone leave beyond what the named effects leave."""
+    """Return the standard error of the pooled square that nuisances alone leave beyond what the named effects leave.
+
+    That is (2 r + d) d of what these leave, r, and what they do, d, so that r alone is by chance: counted as a stationary series, alike
+    over a tenth of its rows at most. A single tooth tells as much as its response stands out, however few rows it has.
+    """
     errors = []
     for gap in gaps:
         keep = gap.measurement.keep
-        beyond = (gap.nuisances_only[keep] ** 2 - gap.after[keep] ** 2) / gap.floor_rms**2
-        blocks = [float(part.mean()) for part in np.array_split(beyond, min(BLOCKS, beyond.size))]
-        errors.append(float(np.std(blocks, ddof=1)) / math.sqrt(len(blocks)) if len(blocks) > 1 else 0.0)
+        left, does = (series[keep] / gap.floor_rms for series in (gap.after, gap.nuisances_only - gap.after))
+        lags = np.arange(1 + left.size // BLOCKS)
+        alike, reach = (np.array([series[lag:] @ series[: series.size - lag] for lag in lags]) for series in (left, does))
+        taper = np.where(lags > 0, 2.0, 1.0) * (1.0 - lags / lags.size)
+        errors.append(2.0 * math.sqrt(max(float(taper @ (alike * reach)), 0.0) / left.size) / left.size)
     return math.hypot(*errors) / len(gaps)
 
 

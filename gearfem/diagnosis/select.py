@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Mapping, Sequence
 
@@ -18,7 +19,7 @@ from gearfem.diagnosis.search import MOST, Search, Start, label, stays, way_of, 
 from gearfem.diagnosis.shapes import bounded, stands
 from gearfem.diagnosis.verdict import Naming, gap_left, judge
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array
+from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Single effects, and further ones beside the best, that are fitted.
@@ -104,7 +105,7 @@ def _concluded(search: Search, shown: tuple[Identifiability, ...], progress: Pro
     """Return the verdict once the best explanation and all that come near it are fitted again, from where that stands too."""
     problem = search.problem
     best = search.best()
-    problem.prepare(best.effects, best.point.unknown)
+    _prepare_at(problem, best)
     memory = problem.memory
     problem.remember(best)
     # What a fit far off leaves looks alike for long: no reason to count it less.
@@ -121,6 +122,12 @@ def _concluded(search: Search, shown: tuple[Identifiability, ...], progress: Pro
     return naming
 
 
+def _prepare_at(problem: Problem, fit: Fit) -> None:
+    """Prepare a problem where a fit leads; a first fit may lead where there is no model, and columns then stay as they are."""
+    with contextlib.suppress(InputError, SolveError):
+        problem.prepare(fit.effects, fit.point.unknown)
+
+
 def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> None:
     """Fit further effects beside the best so many, as long as these gain enough to build on."""
     problem, setup = search.problem, search.problem.campaign.setup
@@ -129,7 +136,7 @@ def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progre
         best = search.best(count)
         if len(best.effects) != count or search.gained(best) < HOPELESS * search.problem.detected:
             break
-        problem.prepare(best.effects, best.point.unknown)
+        _prepare_at(problem, best)
         named = label(best.effects)
         again = [
             c

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 import sys
@@ -17,7 +18,7 @@ from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Label, Search, label, odd_of, uneven, waves_of
 from gearfem.diagnosis.straying import LOST, STRAYED
 from gearfem.effects.effect import MEMBERS, Effect
-from gearfem.foundation import Array, Record
+from gearfem.foundation import Array, InputError, Record, SolveError
 
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
 
@@ -81,6 +82,8 @@ class Naming(Record):
         The best explanation, named or not.
     p_values : tuple of float
         Of each named effect: chance that noise and our own errors do as much, times the effects, gears and teeth tried.
+    without : str
+        Verdict if nothing were named.
     gains : bool
         Whether the best explanation gains what a name must.
     closed, left : float
@@ -102,6 +105,7 @@ class Naming(Record):
     alone: Fit
     best: Fit
     p_values: tuple[float, ...]
+    without: Verdict
     gains: bool
     closed: float
     left: float
@@ -131,7 +135,8 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     astray = (*_astray(search), *turning(search.problem, alone), *_misshapen(search.problem, alone))
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
     gains = bool(best.effects) and gained >= search.problem.detected
-    verdict = _verdict_on(search.problem, best if gains else alone, closed, (level, remains), not astray, close)
+    without = _verdict_on(search.problem, alone, closed, (level, remains), not astray, [])
+    verdict = _verdict_on(search.problem, best, closed, (level, remains), not astray, close) if gains else without
     if verdict == "ambiguous":
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
@@ -144,6 +149,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         alone=alone,
         best=best,
         p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
+        without=without,
         gains=gains,
         closed=closed,
         left=remains,
@@ -257,7 +263,9 @@ def _within_reason(fit: Fit, problem: Problem) -> Array:
     unknown[unknowns.scales] = np.clip(unknown[unknowns.scales], -STRAYED, STRAYED)
     white = fit.white
     if not np.array_equal(unknown, fit.point.unknown):
-        white = problem.whiten(problem.left(problem.at(fit.effects, unknown)))
+        # What cannot be computed so far off stays as it is.
+        with contextlib.suppress(InputError, SolveError):
+            white = problem.whiten(problem.left(problem.at(fit.effects, unknown)))
     wrong = unknown[unknowns.wrong]
     back = [wrong - np.clip(wrong, -STRAYED, STRAYED)]
     if not unknowns.scatter.common:

@@ -234,6 +234,7 @@ def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaig
         alone=bare,
         best=wrong,
         p_values=(0.1,),
+        without="unexplained",
         gains=True,
         closed=1.0,
         left=0.9,
