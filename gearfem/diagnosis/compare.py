@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
+from collections.abc import Iterator
 from functools import partial
 
+from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.approach import LOST, at_rest, fit_from, part_of, tuned
 from gearfem.diagnosis.averages import all_but_largest, averaged, has_means, teeth_under, whole
 from gearfem.diagnosis.bench import Settings, neutral
@@ -15,16 +18,21 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import BenchOf, Problem
-from gearfem.diagnosis.search import stays
+from gearfem.diagnosis.search import PARAMETER, stays
 from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.zero import guess_zero
+from gearfem.effects.effect import MEMBERS, Effect
+from gearfem.effects.profile_wear import ProfileWear
+from gearfem.foundation import InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Terms of the waviness of a flank. To find the zero and the noise, the few of `Scatter` are enough, and they leave the noise alone.
 TERMS = 14
 # Rounds in which guesses of the zero are told apart, and in which the noise is found.
 GUESSED, ROUGH = 1, 3
+# Pitches beyond which no descent leads from one zero to another.
+VALLEY = 0.2
 # Times that nuisances and single teeth are fitted by turns.
 TURNS = 2
 
@@ -113,19 +121,42 @@ def _of_means(mean: Problem, level: Settings) -> Fit:
 
 
 def _zero(problem: Problem, progress: Progress) -> float:
-    """Return the angle offset of the guess from which slow records, or all over the angle where none is slow, leave least."""
+    """Return the angle offset from which slow records, or all over the angle where none is slow, leave least.
+
+    What is missing from all flanks moves the mesh lines by up to half a pitch. Where wear of either gear leaves less from there, though it
+    pays for its parameters, the zero is the one under wear: index errors, free in these fits, would be wrong under another one.
+    """
     if not any(nuisance.name == "angle_offset" for nuisance in problem.nuisances):
         return 0.0
-    over = [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle"]
+    setup, over = problem.campaign.setup, [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle"]
     few = part_of(problem, [i for i in over if not problem.records[i].quantity.moving] or over)
-    level = neutral(problem.campaign.setup.pair)
-    guesses = guess_zero(few.records, problem.bench(()), level, tuple(noise.std for noise in few.noises))
-    fits = []
-    for number, guess in enumerate(guesses):
-        progress("angle zero", number, len(guesses))
-        fits.append(fit_from(few, dataclasses.replace(level, angle_offset=guess), GUESSED))
-    progress("angle zero", len(guesses), len(guesses))
-    return min(fits, key=lambda fit: fit.objective).settings.angle_offset
+    level, deviations = neutral(setup.pair), tuple(noise.std for noise in few.noises)
+    worn = [(ProfileWear.example(setup, member),) for member in MEMBERS]
+
+    def fits(effects: tuple[Effect, ...], away: float | None, rounds: int) -> Iterator[Fit]:
+        for guess in guess_zero(few.records, few.bench(effects), level, deviations):
+            if away is None or _apart(guess, away, setup.pair) > VALLEY:
+                start = dataclasses.replace(level, angle_offset=guess)
+                with contextlib.suppress(InputError, SolveError):
+                    yield few.fit(effects, few.prepare(effects, few.unknowns.of(start)), rounds)
+
+    best = min(fits((), None, GUESSED), key=lambda fit: fit.objective)
+    zero = best.settings.angle_offset
+    for number, effects in enumerate(worn):
+        progress("angle zero", number, len(worn))
+        price = PARAMETER * len(effects[0].parameters())
+        for fit in fits(effects, zero, ROUGH):
+            if fit.objective + price < best.objective:
+                with contextlib.suppress(InputError, SolveError):
+                    best = min(best, again(copy.copy(few), fit.effects, fit.point.stood), key=lambda one: one.objective)
+    progress("angle zero", len(worn), len(worn))
+    return best.settings.angle_offset
+
+
+def _apart(one: float, other: float, pair: GearPair) -> float:
+    """Return how far two zeros of the pinion angle are apart, in pitches: half of one at most."""
+    pitches = (one - other) / pair.pinion.pitch_angle
+    return abs(pitches - round(pitches))
 
 
 # ---- what is handed on ----------------------------------------------------------------------------------
