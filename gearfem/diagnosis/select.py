@@ -15,9 +15,9 @@ from gearfem.diagnosis.identify import Identifiability, identify
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.screen import in_place, screened
-from gearfem.diagnosis.search import MOST, Search, Start, label, stays, way_of, without_one
+from gearfem.diagnosis.search import MOST, Search, Start, label, way_of, without_one
 from gearfem.diagnosis.shapes import bounded, stands
-from gearfem.diagnosis.verdict import Naming, gap_left, judge
+from gearfem.diagnosis.verdict import Naming, gap_left, judge, needed, sound
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -87,9 +87,9 @@ def select(
     _singles(search, alone, first, progress)
     if found is not None:
         search.settle_from(found, progress, "explanations found before")
-    elif not _sound(search):
+    elif not sound(search):
         search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
-    if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * search.problem.detected:
+    if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * needed(search):
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
@@ -151,12 +151,7 @@ def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progre
 
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
     """Return whether nuisances alone are sound, and no candidate promises half of what a name needs."""
-    return _sound(search) and all(candidate.gain < HOPELESS * search.problem.detected for candidate in candidates)
-
-
-def _sound(search: Search) -> bool:
-    """Return whether nuisances alone leave no gap and do the work of no effect."""
-    return gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
+    return sound(search) and all(candidate.gain < HOPELESS * needed(search) for candidate in candidates)
 
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:

@@ -15,7 +15,7 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Label, Search, label, odd_of, uneven, waves_of
+from gearfem.diagnosis.search import Label, Search, label, odd_of, stays, uneven, waves_of
 from gearfem.diagnosis.straying import LOST, STRAYED
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
@@ -116,6 +116,21 @@ class Naming(Record):
     reasons: tuple[str, ...]
 
 
+def sound(search: Search) -> bool:
+    """Return whether nuisances alone leave no gap and do the work of no effect."""
+    return gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
+
+
+def needed(search: Search) -> float:
+    """Return what a name must gain.
+
+    Of means that nuisances alone explain, nothing but the odds of these speaks for a name: as much as lies between mirrored ones at most,
+    which nothing but errors of our model tell apart.
+    """
+    problem = search.problem
+    return max(problem.detected, MIRRORED * problem.wander) if problem.unknowns.scatter.common and sound(search) else problem.detected
+
+
 def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     """Return the verdict of a search that is over, and what the records can show of each effect beside it."""
     alone = search.alone
@@ -134,7 +149,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = (*_astray(search), *turning(search.problem, alone), *_misshapen(search.problem, alone))
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
-    gains = bool(best.effects) and gained >= search.problem.detected
+    gains = bool(best.effects) and gained >= needed(search)
     without = _verdict_on(search.problem, alone, closed, (level, remains), not astray, [])
     verdict = _verdict_on(search.problem, best, closed, (level, remains), not astray, close) if gains else without
     if verdict == "ambiguous":
@@ -158,7 +173,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         threshold=max([threshold, *(limit(fit) for fit in close)]),
         sentence=sentence_of(verdict, named, closed),
         reasons=(
-            f"The best explanation gains {gained:.0f} in the score; a name needs {search.problem.detected:.0f}.",
+            f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search):.0f}.",
             f"Nuisances alone leave {level:.2f}, the best explanation leaves {remains:.2f} times what counts as a gap.",
             *(
                 f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
@@ -196,11 +211,10 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
 
 def _rival(search: Search, fit: Fit, named: Fit, worse: float, limit: float, barred: str) -> Rival:
     """Return an explanation beside what is named, whose score is so much worse; closer than a limit it cannot be told apart."""
-    needed = search.problem.detected
     return Rival(
         effects=fit.effects,
         score_difference=worse,
-        why=barred or (_why(fit, named, worse, limit) if named.effects else _why_none(-worse, needed)),
+        why=barred or (_why(fit, named, worse, limit) if named.effects else _why_none(-worse, needed(search))),
         near=bool(named.effects) and worse < limit and not barred,
         fit=fit,
         p_values=tuple(_p_value(search, fit, number) for number in range(len(fit.effects))) if worse < limit else (),
@@ -323,10 +337,10 @@ def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
     return f"leaves more of the gap: score worse by {difference:.1f}"
 
 
-def _why_none(gained: float, needed: float) -> str:
+def _why_none(gained: float, least: float) -> str:
     """Return why an explanation is none where nothing is named."""
-    if gained < needed:
-        return f"gains {gained:.0f} over nuisances alone; a name needs {needed:.0f}"
+    if gained < least:
+        return f"gains {gained:.0f} over nuisances alone; a name needs {least:.0f}"
     return f"gains {gained:.0f} over nuisances alone, but leaves a gap too wide for a name"
 
 

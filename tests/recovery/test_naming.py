@@ -17,7 +17,7 @@ from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, odd_of, stays, uneven, waves_of
-from gearfem.diagnosis.verdict import _mirrored, _misshapen, closure, judge, sentence_of
+from gearfem.diagnosis.verdict import _mirrored, _misshapen, closure, judge, needed, sentence_of
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -164,11 +164,21 @@ def test_wear_that_is_not_least_at_the_pitch_point_is_not_named(
     assert ("nothing slides" in why) != named
 
 
-@pytest.mark.parametrize(("scale", "named"), [(0.4, False), (0.6, True), (1.7, True)])
-def test_no_hub_holds_a_body_at_less_than_half_of_what_it_yields(found: Diagnosis, scale: float, named: bool) -> None:
+@pytest.mark.parametrize(("scale", "words"), [(0.4, "only on a hub"), (0.6, ""), (2.9, ""), (3.1, "not three times")])
+def test_no_blank_makes_a_body_yield_less_than_half_or_more_than_three_times(found: Diagnosis, scale: float, words: str) -> None:
     bodies = BodyCompliance(scale=scale)
-    why = _barred(found, bodies)
-    assert ("only on a hub" in why) != named
+    assert words in _barred(found, bodies)
+    assert bool(bodies.contradicts()) == bool(words)
+
+
+@pytest.mark.parametrize(("common", "explained", "least"), [(True, True, 64.0), (True, False, 16.0), (False, True, 16.0)])
+def test_a_name_needs_more_of_means_that_nuisances_alone_explain(
+    monkeypatch: pytest.MonkeyPatch, common: bool, explained: bool, least: float
+) -> None:
+    """Where nothing but the odds of nuisances speaks for it, as much as mirrored explanations differ by."""
+    monkeypatch.setattr("gearfem.diagnosis.verdict.sound", lambda search: explained)
+    problem = SimpleNamespace(detected=16.0, wander=16.0, unknowns=SimpleNamespace(scatter=SimpleNamespace(common=common)))
+    assert needed(cast(Search, SimpleNamespace(problem=problem))) == least
 
 
 @pytest.mark.parametrize(("closed", "words"), [(0.94, "closes 94 % of the gap"), (-0.01, "nuisances alone leave as little")])
