@@ -136,18 +136,18 @@ def _zero(problem: Problem, progress: Progress) -> float:
     def fits(effects: tuple[Effect, ...], away: float | None, rounds: int) -> Iterator[Fit]:
         for guess in guess_zero(few.records, few.bench(effects), level, deviations):
             if away is None or _apart(guess, away, setup.pair) > VALLEY:
-                start = dataclasses.replace(level, angle_offset=guess)
-                with contextlib.suppress(InputError, SolveError):
-                    yield few.fit(effects, few.prepare(effects, few.unknowns.of(start)), rounds)
+                start = few.unknowns.of(dataclasses.replace(level, angle_offset=guess))
+                yield few.fit(effects, few.prepare(effects, start), rounds)
 
     best = min(fits((), None, GUESSED), key=lambda fit: fit.objective)
     zero = best.settings.angle_offset
     for number, effects in enumerate(worn):
         progress("angle zero", number, len(worn))
         price = PARAMETER * len(effects[0].parameters())
-        for fit in fits(effects, zero, ROUGH):
-            if fit.objective + price < best.objective:
-                with contextlib.suppress(InputError, SolveError):
+        # Worn flanks that cannot be computed tell nothing of the zero.
+        with contextlib.suppress(InputError, SolveError):
+            for fit in fits(effects, zero, ROUGH):
+                if fit.objective + price < best.objective:
                     best = min(best, again(copy.copy(few), fit.effects, fit.point.stood), key=lambda one: one.objective)
     progress("angle zero", len(worn), len(worn))
     return best.settings.angle_offset
