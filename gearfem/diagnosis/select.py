@@ -17,7 +17,7 @@ from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.screen import in_place, screened
 from gearfem.diagnosis.search import MOST, Search, Start, label, way_of, without_one
 from gearfem.diagnosis.shapes import bounded, stands
-from gearfem.diagnosis.verdict import Naming, gap_left, judge, needed, sound
+from gearfem.diagnosis.verdict import Naming, gap_left, judge, sound
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -89,7 +89,7 @@ def select(
         search.settle_from(found, progress, "explanations found before")
     elif not sound(search):
         search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
-    if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * needed(search):
+    if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * search.problem.detected:
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
@@ -151,7 +151,7 @@ def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progre
 
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
     """Return whether nuisances alone are sound, and no candidate promises half of what a name needs."""
-    return sound(search) and all(candidate.gain < HOPELESS * needed(search) for candidate in candidates)
+    return sound(search) and all(candidate.gain < HOPELESS * search.problem.detected for candidate in candidates)
 
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:

@@ -121,14 +121,16 @@ def sound(search: Search) -> bool:
     return gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
 
 
-def needed(search: Search) -> float:
-    """Return what a name must gain.
+def needed(search: Search, effects: tuple[Effect, ...]) -> float:
+    """Return what effects must gain to be named.
 
-    Of means that nuisances alone explain, nothing but the odds of these speaks for a name: as much as lies between mirrored ones at most,
-    which nothing but errors of our model tell apart.
+    Of means that nuisances alone explain, nothing but the odds of these speaks for a name. For one of forms of the flanks they must say as
+    much as lies between mirrored ones at most, which nothing but errors of our model tell apart.
     """
     problem = search.problem
-    return max(problem.detected, MIRRORED * problem.wander) if problem.unknowns.scatter.common and sound(search) else problem.detected
+    forms = bool(effects) and all(effect.stage == "flank" and effect.repeats == "every tooth" for effect in effects)
+    doubtful = forms and problem.unknowns.scatter.common and sound(search)
+    return max(problem.detected, MIRRORED * problem.wander) if doubtful else problem.detected
 
 
 def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
@@ -149,7 +151,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = (*_astray(search), *turning(search.problem, alone), *_misshapen(search.problem, alone))
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
-    gains = bool(best.effects) and gained >= needed(search)
+    gains = bool(best.effects) and gained >= needed(search, best.effects)
     without = _verdict_on(search.problem, alone, closed, (level, remains), not astray, [])
     verdict = _verdict_on(search.problem, best, closed, (level, remains), not astray, close) if gains else without
     if verdict == "ambiguous":
@@ -173,7 +175,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         threshold=max([threshold, *(limit(fit) for fit in close)]),
         sentence=sentence_of(verdict, named, closed),
         reasons=(
-            f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search):.0f}.",
+            f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search, best.effects):.0f}.",
             f"Nuisances alone leave {level:.2f}, the best explanation leaves {remains:.2f} times what counts as a gap.",
             *(
                 f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
@@ -214,7 +216,7 @@ def _rival(search: Search, fit: Fit, named: Fit, worse: float, limit: float, bar
     return Rival(
         effects=fit.effects,
         score_difference=worse,
-        why=barred or (_why(fit, named, worse, limit) if named.effects else _why_none(-worse, needed(search))),
+        why=barred or (_why(fit, named, worse, limit) if named.effects else _why_none(-worse, needed(search, fit.effects))),
         near=bool(named.effects) and worse < limit and not barred,
         fit=fit,
         p_values=tuple(_p_value(search, fit, number) for number in range(len(fit.effects))) if worse < limit else (),

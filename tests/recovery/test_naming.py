@@ -171,14 +171,22 @@ def test_no_blank_makes_a_body_yield_less_than_half_or_more_than_three_times(fou
     assert bool(bodies.contradicts()) == bool(words)
 
 
-@pytest.mark.parametrize(("common", "explained", "least"), [(True, True, 64.0), (True, False, 16.0), (False, True, 16.0)])
-def test_a_name_needs_more_of_means_that_nuisances_alone_explain(
-    monkeypatch: pytest.MonkeyPatch, common: bool, explained: bool, least: float
+@pytest.mark.parametrize(
+    ("common", "explained", "effect", "least"),
+    [
+        (True, True, ProfileSlope(gear="pinion", amount=1.0 * UM), 64.0),
+        (True, False, ProfileSlope(gear="pinion", amount=1.0 * UM), 16.0),
+        (False, True, ProfileSlope(gear="pinion", amount=1.0 * UM), 16.0),
+        (True, True, BodyCompliance(scale=1.5), 16.0),
+    ],
+)
+def test_a_form_of_the_flanks_must_gain_more_of_means_that_nuisances_alone_explain(
+    monkeypatch: pytest.MonkeyPatch, common: bool, explained: bool, effect: Effect, least: float
 ) -> None:
     """Where nothing but the odds of nuisances speaks for it, as much as mirrored explanations differ by."""
     monkeypatch.setattr("gearfem.diagnosis.verdict.sound", lambda search: explained)
     problem = SimpleNamespace(detected=16.0, wander=16.0, unknowns=SimpleNamespace(scatter=SimpleNamespace(common=common)))
-    assert needed(cast(Search, SimpleNamespace(problem=problem))) == least
+    assert needed(cast(Search, SimpleNamespace(problem=problem)), (effect,)) == least
 
 
 @pytest.mark.parametrize(("closed", "words"), [(0.94, "closes 94 % of the gap"), (-0.01, "nuisances alone leave as little")])
