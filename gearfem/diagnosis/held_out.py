@@ -28,17 +28,19 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
 
     Notes
     -----
-    Effects that do not surely leave less there than nuisances alone are no explanation, and the verdict is that without any. Where
-    nuisances do the work of an effect they foretell other records too (index errors of all teeth, say, are as good as a runout), and names
-    must surely be by far worse before they are none; or leave open what nuisances foretell better. A gap that stays open is not explained.
+    Effects that do not surely leave less there than nuisances alone, though these records would surely show them if they were right, are no
+    explanation, and the verdict is that without any. Where nuisances do the work of an effect they foretell other records too (index errors
+    of all teeth, say, are as good as a runout), and names must surely be by far worse before they are none; or leave open what nuisances
+    foretell better. A gap that stays open is not explained.
     """
     over, doubt = proof.over_nuisances, SURE * (proof.stderr or 0.0)
     far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms]
     if naming.fit.effects and over is not None:
-        if over - doubt < 1.0 if sound else over < FAR_WORSE and over + doubt < 1.0:
-            return _withdrawn(naming, naming.without if sound else "unexplained", "do not surely leave less than nuisances alone")
+        shown = proof.foretold is None or proof.foretold - doubt > 1.0
+        if shown and over - doubt < 1.0 if sound else over < FAR_WORSE and over + doubt < 1.0:
+            return _withdrawn(naming, naming.without if sound else "unexplained", "surely no less")
         if far and over < WORSE and naming.verdict != "ambiguous":
-            return _withdrawn(naming, "unexplained", "leave more than nuisances alone")
+            return _withdrawn(naming, "unexplained", "more")
     open_gaps = [gap for gap in far if gap.closure < CLOSES]
     if naming.verdict != "explained" or not open_gaps:
         return naming
@@ -51,6 +53,6 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
 def _withdrawn(naming: Naming, verdict: Verdict, words: str) -> Naming:
     """Return a verdict that names nothing, and why."""
     beside = " and what stands beside it" if len(naming.fit.effects) > 1 else ""
-    reason = f"On records held out, {naming.fit.effects[0].name}{beside} {words}."
+    reason = f"On records held out, {words} is left with {naming.fit.effects[0].name}{beside} than with nuisances alone."
     sentence = sentence_of(verdict, naming.alone, naming.closed)
     return dataclasses.replace(naming, verdict=verdict, fit=naming.alone, p_values=(), sentence=sentence, reasons=(*naming.reasons, reason))

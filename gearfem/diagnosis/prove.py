@@ -90,8 +90,10 @@ class Proof(Record):
     over_nuisances, over_smooth : float or None
         On hold-out records: what nuisances alone, and the smooth correction, leave over what the named effects leave; each in parts of
         the floor, root mean square over the records. None without hold-out records or effects.
+    foretold : float or None
+        What the first would be if the named effects were right: as far above 1 as these records can show them.
     stderr : float or None
-        Standard error of the first, from how much blocks of the records differ: what a model misses stays alike over many rows.
+        Standard error of the first: what a model misses stays alike over many rows.
     stands : bool
         Whether the named effects beat both.
     reasons : tuple of str
@@ -101,6 +103,7 @@ class Proof(Record):
     records: tuple[Gap, ...]
     over_nuisances: float | None
     over_smooth: float | None
+    foretold: float | None
     stderr: float | None
     stands: bool
     reasons: tuple[str, ...]
@@ -229,17 +232,26 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     held = [gap for gap in gaps if gap.role == "holdout"]
     if not held or not named:
         words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named else ()
-        return Proof(records=gaps, over_nuisances=None, over_smooth=None, stderr=None, stands=False, reasons=words)
+        return Proof(records=gaps, over_nuisances=None, over_smooth=None, foretold=None, stderr=None, stands=False, reasons=words)
     after, alone = _pooled([(gap, gap.after) for gap in held]), _pooled([(gap, gap.nuisances_only) for gap in held])
     corrected = [gap for gap in held if gap.smooth.size]
     over_nuisances = alone / after
     over_smooth = _pooled([(g, g.smooth) for g in corrected]) / _pooled([(g, g.after) for g in corrected]) if corrected else None
+    foretold = math.hypot(1.0, _pooled([(gap, gap.nuisances_only - gap.after) for gap in held]) / after)
     stderr = _doubt(held) / (2.0 * after**2 * over_nuisances)
     stands = over_nuisances > 1.0 and (over_smooth is None or over_smooth > 1.0)
     reasons = [f"{_words('nuisances alone', over_nuisances)} The standard error of this ratio is {stderr:.2f}."]
     if over_smooth is not None:
         reasons.append(_words("a free smooth correction", over_smooth))
-    return Proof(records=gaps, over_nuisances=over_nuisances, over_smooth=over_smooth, stderr=stderr, stands=stands, reasons=tuple(reasons))
+    return Proof(
+        records=gaps,
+        over_nuisances=over_nuisances,
+        over_smooth=over_smooth,
+        foretold=foretold,
+        stderr=stderr,
+        stands=stands,
+        reasons=tuple(reasons),
+    )
 
 
 def _pooled(gaps: list[tuple[Gap, Array]]) -> float:

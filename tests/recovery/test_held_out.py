@@ -14,20 +14,21 @@ from gearfem.diagnosis.prove import Gap, _doubt
 
 
 @pytest.mark.parametrize(
-    ("share", "doubt", "stays", "verdict"),
+    ("share", "foretold", "doubt", "stays", "verdict"),
     [
-        (0.9, 0.04, True, "no_discrepancy"),
-        (1.05, 0.03, True, "no_discrepancy"),
-        (1.1, 0.03, True, "explained"),
-        (0.9, 0.04, False, "explained"),
-        (0.4, 0.04, False, "unexplained"),
+        (0.9, 1.2, 0.04, True, "no_discrepancy"),
+        (1.05, 1.2, 0.03, True, "no_discrepancy"),
+        (1.05, 1.05, 0.03, True, "explained"),
+        (1.1, 1.2, 0.03, True, "explained"),
+        (0.9, 1.2, 0.04, False, "explained"),
+        (0.4, 1.2, 0.04, False, "unexplained"),
     ],
 )
 def test_a_name_that_does_not_surely_do_better_where_nobody_looked_is_withdrawn(
-    found: Diagnosis, share: float, doubt: float, stays: bool, verdict: str
+    found: Diagnosis, share: float, foretold: float, doubt: float, stays: bool, verdict: str
 ) -> None:
-    """By two standard errors; where nuisances stray so far that they do the work of an effect themselves, if it does far worse."""
-    proof = dataclasses.replace(found.proof, over_nuisances=share, stderr=doubt)
+    """By two standard errors, where records could tell; where nuisances stray so far that they do the work of an effect, by far."""
+    proof = dataclasses.replace(found.proof, over_nuisances=share, foretold=foretold, stderr=doubt)
     held = as_held_out_leaves(dataclasses.replace(found.naming, without="no_discrepancy"), proof, stays)
     assert held.verdict == verdict
     assert bool(held.fit.effects) == (verdict == "explained")
