@@ -27,9 +27,9 @@ TIMES = 4
 LOST = 5.0
 
 
-def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS) -> Fit:
-    """Return the fit of the nuisances alone from settings on, where their derivatives are taken."""
-    return problem.fit((), problem.prepare((), problem.unknowns.of(start)), rounds)
+def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS, effects: tuple[Effect, ...] = ()) -> Fit:
+    """Return the fit of effects, or of the nuisances alone, from settings on, where their derivatives are taken."""
+    return problem.fit(effects, problem.prepare(effects, problem.unknowns.of(start)), rounds)
 
 
 def part_of(problem: Problem, places: Sequence[int], effects: tuple[Effect, ...] = ()) -> Problem:

@@ -136,8 +136,7 @@ def _zero(problem: Problem, progress: Progress) -> float:
     def fits(effects: tuple[Effect, ...], away: float | None, rounds: int) -> Iterator[Fit]:
         for guess in guess_zero(few.records, few.bench(effects), level, deviations):
             if away is None or _apart(guess, away, setup.pair) > VALLEY:
-                start = few.unknowns.of(dataclasses.replace(level, angle_offset=guess))
-                yield few.fit(effects, few.prepare(effects, start), rounds)
+                yield fit_from(few, dataclasses.replace(level, angle_offset=guess), rounds, effects)
 
     best = min(fits((), None, GUESSED), key=lambda fit: fit.objective)
     zero = best.settings.angle_offset

@@ -9,8 +9,8 @@ from gearfem.diagnosis.verdict import Naming, Verdict, sentence_of
 
 # What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed.
 OPEN, CLOSES = 2.0, 0.5
-# What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation of a gap that stays
-# open; and of any, where nuisances stray, which foretell other records too then.
+# What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation; and where
+# nuisances stray, which foretell other records too then.
 WORSE, FAR_WORSE = 0.97, 0.5
 # Standard errors by which a name must do better, or worse.
 SURE = 2.0
@@ -28,17 +28,18 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
 
     Notes
     -----
-    Effects that do not surely leave less there than nuisances alone, though these records would surely show them if they were right, are no
-    explanation, and the verdict is that without any. Where nuisances do the work of an effect they foretell other records too (index errors
-    of all teeth, say, are as good as a runout), and names must surely be by far worse before they are none; or leave open what nuisances
-    foretell better. A gap that stays open is not explained.
+    Effects that surely leave more there than nuisances alone, or do not surely leave less though these records would show them if they were
+    right, are no explanation, and the verdict is that without any. Where nuisances do the work of an effect they foretell other records too
+    (index errors of all teeth, say, are as good as a runout), and names must surely be by far worse before they are none; or leave open
+    what nuisances foretell better. A gap that stays open is not explained.
     """
-    over, doubt = proof.over_nuisances, SURE * (proof.stderr or 0.0)
+    over, foretold, doubt = proof.over_nuisances, proof.foretold or 1.0, SURE * (proof.stderr or 0.0)
     far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms]
     if naming.fit.effects and over is not None:
-        shown = proof.foretold is None or proof.foretold - doubt > 1.0
-        if shown and over - doubt < 1.0 if sound else over < FAR_WORSE and over + doubt < 1.0:
-            return _withdrawn(naming, naming.without if sound else "unexplained", "surely no less")
+        worse = over < (WORSE if sound else FAR_WORSE) and over + doubt < 1.0
+        missed = sound and over - doubt < 1.0 < foretold - doubt
+        if worse or missed:
+            return _withdrawn(naming, naming.without if sound else "unexplained", "more" if worse else "not surely less")
         if far and over < WORSE and naming.verdict != "ambiguous":
             return _withdrawn(naming, "unexplained", "more")
     open_gaps = [gap for gap in far if gap.closure < CLOSES]

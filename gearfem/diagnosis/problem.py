@@ -243,24 +243,23 @@ class Problem:
         Errors of the model beyond what it can follow are linear indeed. What is linear leaves least under the weights that the point was
         given, which trials of one step share: they are factorised once, and little is lost.
         """
-        free = self.unknowns.at_limits(point.stood)
-        places = self.unknowns.held[~free]
-        held, outer = point.stood[places], point.stood[: self.outer]
-        solved, cost, _ = self._held(point, places)
+        kept = ~self.unknowns.at_limits(point.stood)
+        held, outer = point.stood[self.unknowns.held[kept]], point.stood[: self.outer]
+        solved, cost, _ = self._held(point, kept)
         return cost + float(solved @ solved + held @ held + outer @ outer) + self._price(point.effects, outer)
 
     def still(self, point: Point) -> Point:
         """Return a point with all that its prediction holds as it is, where `at` moves it as if all were linear."""
-        solved, _, places = self._held(point, self.unknowns.held)
+        solved, _, places = self._held(point, np.ones(len(self.unknowns.held), bool))
         unknown = point.stood
         unknown[places] = solved
         return dataclasses.replace(point, unknown=unknown)
 
-    def _held(self, point: Point, places: NDArray[Any]) -> tuple[Array, float, NDArray[Any]]:
-        """Return the linear unknowns that leave least, those at some places as predictions have them; what records cost; their places."""
+    def _held(self, point: Point, kept: NDArray[Any]) -> tuple[Array, float, NDArray[Any]]:
+        """Return the other linear unknowns that leave least, some of those held kept as they are; what records cost; their places."""
+        places = self.unknowns.held[kept]
         moving = np.setdiff1d(np.arange(len(point.held)), places - self.outer)
-        at_places = np.isin(self.unknowns.held, places)
-        misfit = point.residual - self.held_columns[:, at_places] @ point.stood[places]
+        misfit = point.residual - self.held_columns[:, kept] @ point.stood[places]
         pulls = self.linear.pulls(misfit)[:, moving]
         solved, cost, _ = self._weigh(self.linear.some(moving), pulls, self.squares(misfit), point.given, 1)
         return solved, cost, moving + self.outer

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.signal import correlate
 
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.calibrate import calibrated
@@ -240,7 +241,7 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     foretold = math.hypot(1.0, _pooled([(gap, gap.nuisances_only - gap.after) for gap in held]) / after)
     stderr = _doubt(held) / (2.0 * after**2 * over_nuisances)
     stands = over_nuisances > 1.0 and (over_smooth is None or over_smooth > 1.0)
-    reasons = [f"{_words('nuisances alone', over_nuisances)} The standard error of this ratio is {stderr:.2f}."]
+    reasons = [f"{_words('nuisances alone', over_nuisances)} The standard error of this ratio is {stderr:.2g}."]
     if over_smooth is not None:
         reasons.append(_words("a free smooth correction", over_smooth))
     return Proof(
@@ -270,7 +271,7 @@ def _doubt(gaps: list[Gap]) -> float:
         keep = gap.measurement.keep
         left, does = (series[keep] / gap.floor_rms for series in (gap.after, gap.nuisances_only - gap.after))
         lags = np.arange(1 + left.size // BLOCKS)
-        alike, reach = (np.array([series[lag:] @ series[: series.size - lag] for lag in lags]) for series in (left, does))
+        alike, reach = (correlate(series, series)[series.size - 1 :][: lags.size] for series in (left, does))
         taper = np.where(lags > 0, 2.0, 1.0) * (1.0 - lags / lags.size)
         errors.append(2.0 * math.sqrt(max(float(taper @ (alike * reach)), 0.0) / left.size) / left.size)
     return math.hypot(*errors) / len(gaps)
