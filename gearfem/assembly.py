@@ -9,7 +9,7 @@ from typing import TypeVar
 from gearfem.compliance import make_compliance
 from gearfem.compliance.record import Compliance
 from gearfem.contact import EdgedLine
-from gearfem.contact.scaled import Law
+from gearfem.contact.scaled import Law, evened
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Setup
 from gearfem.dynamics import make_drive
@@ -88,7 +88,7 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
         flanks=flanks.edged(fitted.tip_edge_scale),
         compliance=compliance.coupled(fitted.coupling_scale),
         placement=placement,
-        law=_act(law, of("contact"), bare),
+        law=evened(_act(law, of("contact"), bare), fitted.evenness),
         # A fitted scale belongs to the damping that the effects leave, as its fit has it.
         drive=dataclasses.replace(drive, damping_ratio=drive.damping_ratio * fitted.damping_scale),
         instrument=_act(Instrument(gain=fitted.gain), of("sensing"), bare),

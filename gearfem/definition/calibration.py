@@ -31,6 +31,8 @@ class Calibration(Record):
         Radius of the tip edges, true over that of the model.
     contact_scale, body_scale, depth_scale : float
         Compliance of the contact and of the gear bodies, and depth down to which the contact yields, true over those of model and effects.
+    evenness : float
+        How far contact over tip edges yields as on flanks that go on past them, from 0 to 1.
     friction : float
         Coefficient of tooth friction beside that of model and effects.
     misalignment, centre_distance : float
@@ -54,6 +56,7 @@ class Calibration(Record):
     contact_scale: float = 1.0
     body_scale: float = 1.0
     depth_scale: float = 1.0
+    evenness: float = 0.0
     friction: float = 0.0
     misalignment: float = 0.0
     centre_distance: float = 0.0

@@ -51,6 +51,7 @@ def resolve_calibration(table: CalibrationTable, teeth: tuple[int, int]) -> Cali
         contact_scale=table.contact_compliance_scale,
         body_scale=table.body_compliance_scale,
         depth_scale=table.contact_depth_scale,
+        evenness=table.contact_evenness,
         friction=table.friction_coefficient,
         misalignment=table.misalignment_um * UM,
         centre_distance=table.centre_distance_um * UM,

@@ -147,6 +147,7 @@ class CalibrationTable(Table):
     contact_compliance_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
     body_compliance_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
     contact_depth_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
+    contact_evenness: Annotated[float, Field(ge=-0.5, le=1.5)] = 0.0
     friction_coefficient: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     misalignment_um: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
     centre_distance_um: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0

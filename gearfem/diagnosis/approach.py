@@ -18,8 +18,9 @@ from gearfem.diagnosis.zero import guess_zero
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 
-# Tip edges to start from, of the model's; compliance in series and damping to start from, in prior deviations.
-EDGES = (1.0, 0.2)
+# Tip edges to start from, of the model's, and how far contact over them is that of flanks; compliance in series and damping to start from,
+# in prior deviations.
+EDGES = ((1.0, 0.0), (0.2, 1.0))
 SERIES_TRIED, DAMPING_TRIED = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0), (-1.5, 0.0, 1.5)
 # Times that the fit of slow records, a place to start from, is prepared anew.
 TIMES = 4
@@ -45,7 +46,7 @@ def part_of(problem: Problem, places: Sequence[int], effects: tuple[Effect, ...]
 
 
 def at_rest(problem: Problem, level: Settings) -> Settings:
-    """Return settings as slow records have them, from tip edges as the model has them or sharp; else those given.
+    """Return settings as slow records have them, from tip edges as the model has them or as models without any; else those given.
 
     They say what motions, which hide it near resonances, do not: where pairs hand over, and by how much teeth and bodies yield.
     """
@@ -53,7 +54,7 @@ def at_rest(problem: Problem, level: Settings) -> Settings:
     if not slow:
         return level
     part = part_of(problem, slow)
-    starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge)) for edge in EDGES]
+    starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge, evenness=evenness)) for edge, evenness in EDGES]
     return min(side_by_side(lambda unknown: again(copy.copy(part), (), unknown, TIMES), starts), key=lambda fit: fit.objective).settings
 
 

@@ -32,6 +32,8 @@ class Settings(Record):
         Compliance along the line of action that the model misses, in series with all pairs [m/N]; negative where it has too much.
     coupling_scale, tip_edge_scale : float
         What neighbour teeth feel through the bodies, and the radius of the tip edges, true over the model's.
+    evenness : float
+        How far contact over tip edges yields as on the flanks, from 0 to 1; on top of what the model says of it.
     errors : tuple of float
         How far the model is wrong in each way of `gearfem.variants`, in standard deviations; empty: in none.
     """
@@ -47,6 +49,7 @@ class Settings(Record):
     series_compliance: float = 0.0
     coupling_scale: float = 1.0
     tip_edge_scale: float = 1.0
+    evenness: float = 0.0
     errors: tuple[float, ...] = ()
 
 

@@ -30,7 +30,10 @@ def calibrated(setup: Setup, settings: Settings, effects: tuple[Effect, ...] = (
 
 
 def calibration_of(known: Calibration, settings: Settings) -> Calibration:
-    """Return a calibration with settings on top of it: scales multiplied, angles and index errors added, constants as they were."""
+    """Return a calibration with settings on top of it: scales multiplied, angles and index errors added, constants as they were.
+
+    Contact evened out twice keeps the share of its edges that both leave.
+    """
     moved = zip(VARIANTS, settings.errors, strict=False)
     errors: dict[str, Any] = {variant.name: variant.both(getattr(known, variant.name), variant.value(far)) for variant, far in moved}
     return dataclasses.replace(
@@ -44,6 +47,7 @@ def calibration_of(known: Calibration, settings: Settings) -> Calibration:
         series_compliance=known.series_compliance + settings.series_compliance,
         coupling_scale=known.coupling_scale * settings.coupling_scale,
         tip_edge_scale=known.tip_edge_scale * settings.tip_edge_scale,
+        evenness=known.evenness + settings.evenness - known.evenness * settings.evenness,
         angle_offset=known.angle_offset + settings.angle_offset,
         pinion_late=known.pinion_late + settings.pinion_late if known.pinion_late.size else settings.pinion_late,
         wheel_late=known.wheel_late + settings.wheel_late if known.wheel_late.size else settings.wheel_late,

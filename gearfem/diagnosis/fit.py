@@ -61,6 +61,9 @@ class Fit(Record):
         What is left of each record [SI], everything taken off.
     white : ndarray, shape (m,)
         The same whitened, one record below the other.
+    told : ndarray, shape (z1 + z2,)
+        Deviation of each index error as found over that of the true ones: 1 where the records tell it, 0 where none meets the tooth, and
+        between where they tell it together with those of other teeth alone. Empty where index errors stand still.
     """
 
     effects: tuple[Effect, ...]
@@ -72,6 +75,7 @@ class Fit(Record):
     squares: Array
     left: tuple[Array, ...]
     white: Array
+    told: Array
 
 
 def fit(problem: Problem, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
@@ -138,7 +142,18 @@ def _standing(problem: Problem, point: Point, attained: float, derivatives: Arra
         squares=problem.squares(white) / problem.counts,
         left=rest,
         white=white,
+        told=_told(problem, point),
     )
+
+
+def _told(problem: Problem, point: Point) -> Array:
+    """Return how much of each index error the records tell, see `Fit`: what is expected of one and found about it adds up in squares."""
+    late = problem.unknowns.late
+    if late.start == late.stop:
+        return np.empty(0)
+    inner = slice(late.start - problem.outer, late.stop - problem.outer, late.step)
+    doubt = problem.linear.weighed(point.weights).deviations[inner]
+    return np.asarray(np.sqrt(np.maximum(1.0 - doubt**2, 0.0)))
 
 
 def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: int = AGAIN) -> Fit:

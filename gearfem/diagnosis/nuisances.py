@@ -35,7 +35,7 @@ class Nuisance(Record):
     reach : float
         Most prior deviations that a fit may go; farther is no nuisance any more.
     level : float
-        Value of the model.
+        Value about which it is expected: that of the model, but where many models have another one.
     is_scale : bool
         Whether it multiplies by more or less and never by nothing.
     cause : callable, optional
@@ -84,11 +84,29 @@ MOVING = (
 # 20 N/(mm um) by ISO 6336-1 [N/m2].
 SERIES, USUAL_STIFFNESS = 0.08, 20e9
 # Two pairs together yield about alike in all models, one pair alone does not: some models have no neighbours that feel anything, others a
-# body that carries most of a deflection over; edges are sharp, or broken by some hundredths of a module. Both act far from linearly on
-# where pairs hand over, so that they are fitted, not taken for small errors.
+# body that carries most of a deflection over; edges are sharp, or broken by some hundredths of a module, and contact over them yields more
+# than on flanks, by the small radius of their rounds, or as on flanks: many models have sharp tips and one contact for the whole tooth, and
+# either is as likely. All act far from linearly on where pairs hand over, so that they are fitted, not taken for small errors.
 BUILD = (
     Nuisance(name="coupling_scale", words="coupling of neighbour teeth through bodies", prior=0.5, step=0.05, reach=1.8, is_scale=False),
-    Nuisance(name="tip_edge_scale", words="radius of the tip edges", prior=0.5, step=-0.05, reach=1.8, is_scale=False),
+    Nuisance(
+        name="tip_edge_scale",
+        words="radius of the tip edges, about half",
+        prior=0.55,
+        step=-0.02,
+        reach=0.97,
+        level=0.55,
+        is_scale=False,
+    ),
+    Nuisance(
+        name="evenness",
+        words="contact over tip edges (0: by their rounds, 1: as on flanks), about 0.5",
+        prior=0.5,
+        step=0.05,
+        reach=1.2,
+        level=0.5,
+        is_scale=False,
+    ),
 )
 # The unknown zero lies within half a pitch either way; its deviation is that of an equal distribution.
 UNIFORM = 1.0 / math.sqrt(12.0)

@@ -49,7 +49,8 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         return []
     part, setup = part_of(problem, slow), problem.campaign.setup
     level = problem.settings(problem.unknowns.neutral(alone.point.unknown))
-    neutral = part.unknowns.of(dataclasses.replace(level, coupling_scale=1.0, tip_edge_scale=EDGES[-1]))
+    edge, evenness = EDGES[-1]
+    neutral = part.unknowns.of(dataclasses.replace(level, coupling_scale=1.0, tip_edge_scale=edge, evenness=evenness))
     neutral = part.prepare((), neutral)
 
     def looked_at(example: Effect) -> Fit | None:

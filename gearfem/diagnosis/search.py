@@ -40,6 +40,8 @@ FAR = 2.0
 LITTLE = 0.5
 # Waves a turn of index errors that are looked at.
 WAVES = 3
+# Part of an index error that counts as told at least: of teeth of which records tell next to nothing none stands out.
+TOLD = 0.5
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 
@@ -235,18 +237,24 @@ def errors_of(problem: Problem, fit: Fit) -> Array:
 def uneven(problem: Problem, fit: Fit) -> Array:
     """Return how far the index errors of a fit are from those of single teeth, shape (2, 2), in deviations of what is left of them.
 
-    Of either gear (columns) the tooth that stands out most, and the largest of the waves once, twice and three times a turn. Teeth late by
-    chance make none of either; an eccentric gear makes waves, and so does what turns with the gear and is no tooth.
+    Of either gear (columns) the tooth that stands out most, 0 on the gear where it does so less, and the largest of the waves once, twice
+    and three times a turn. Teeth late by chance make none of either; an eccentric gear makes waves, and so does what turns with the gear
+    and is no tooth. What records tell of two teeth together a fit shares out, and each stands out by so much less, but so does each one
+    that is late by chance (`Fit.told`).
     """
     found = np.zeros((2, 2))
     late = fit.point.unknown[problem.unknowns.late]
     if not late.size:
         return found
-    for gear, own in enumerate(np.split(late, [problem.campaign.setup.pair.pinion.teeth])):
+    first = problem.campaign.setup.pair.pinion.teeth
+    for gear, (own, told) in enumerate(zip(np.split(late, [first]), np.split(fit.told, [first]), strict=True)):
         waves = waves_of(own)
         amplitude = math.sqrt(2.0 / own.size) * np.abs(np.fft.rfft(waves)).max()
         deviation, rest = (max(1.0, float(median_abs_deviation(one, scale="normal"))) for one in (own, own - waves))
-        found[:, gear] = np.abs(own - np.median(own)).max() / deviation, amplitude / rest
+        apart = np.abs(own - np.median(own)) / np.maximum(told, TOLD)
+        found[:, gear] = apart.max() / deviation, amplitude / rest
+    # What stands out on both gears may be one tooth, met with no other one.
+    found[0, np.argmin(found[0])] = 0.0
     return found
 
 

@@ -187,24 +187,31 @@ def _apart(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the first candidates whose responses differ at all; what looks like one of them is tried beside the best at the end."""
     kept: list[Candidate] = []
     for candidate in candidates:
-        own = candidate.signature / np.linalg.norm(candidate.signature)
-        if all(abs(own @ other.signature) < ALIKE * np.linalg.norm(other.signature) for other in kept):
+        if not any(_alike(candidate, other) for other in kept):
             kept.append(candidate)
     return kept
 
 
-def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> None:
-    """Fit the best explanation with what looks like one of its effects of all teeth in the place of this, from where the best one stands.
+def _alike(one: Candidate, other: Candidate) -> bool:
+    """Return whether the responses of two candidates are the same but for their size."""
+    return bool(abs(one.signature @ other.signature) >= ALIKE * np.linalg.norm(one.signature) * np.linalg.norm(other.signature))
 
-    The same on the other gear, and whatever the records can hardly tell from it, fitted before or not: fits end by where they begin.
+
+def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> None:
+    """Fit the best explanation with what looks like one of its effects in the place of this, from where the best one stands.
+
+    The same on the other gear, and whatever the records can hardly tell from it, fitted before or not: fits end by where they begin. Of
+    effects of one tooth that is what `_apart` has passed over for it, as the tooth that meets it where these meet once.
     """
     best, setup = search.best(), search.problem.campaign.setup
     starts: list[Start] = []
     for place, effect in enumerate(best.effects):
-        if hasattr(effect, "tooth"):
-            continue
         before, after = best.effects[:place], best.effects[place + 1 :]
-        others = [c for c in candidates if not hasattr(c.effect, "tooth") and label((c.effect,))[0] not in label(best.effects)]
+        others = [c for c in candidates if label((c.effect,))[0] not in label(best.effects)]
+        if hasattr(effect, "tooth"):
+            starts += [((*before, c.start(setup), *after), None) for c in _passed_over(effect, others, candidates)]
+            continue
+        others = [c for c in others if not hasattr(c.effect, "tooth")]
         own = search.problem.response(best.point, (*before, *after))
         gram, _ = search.problem.freed(best.point)(np.column_stack([own, *(c.signature for c in others)]))
         strengths, cosines = gram[0, 1:] / np.diag(gram)[1:], gram[0, 1:] / np.sqrt(gram[0, 0] * np.diag(gram)[1:])
@@ -217,6 +224,12 @@ def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress
                 start = other if stands(other) else bounded(other.scaled(float(strengths[number]), setup), setup)
                 starts.append(((*before, start, *after), None))
     search.fit(starts, best, progress, "what looks alike", anew=True)
+
+
+def _passed_over(effect: Effect, others: Sequence[Candidate], candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return those of other candidates that look like that of an effect."""
+    own = [candidate for candidate in candidates if label((candidate.effect,)) == label((effect,))]
+    return [other for other in others if any(_alike(other, one) for one in own)]
 
 
 def _pairs(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:

@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from gearfem.assembly import assemble
+from gearfem.contact.scaled import evened
 from gearfem.definition.setup import GearPair, Member
 from gearfem.diagnosis.bench import Oscillator, Peaks, Settings, Swing, Weights
 from gearfem.diagnosis.campaign import Campaign, Measurement
@@ -179,7 +180,7 @@ class SystemBench(Record):
 
     def _system(self, settings: Settings) -> System:
         """Return the system with angle zero, index errors, inertias and damping of these settings."""
-        built = self._build(settings.coupling_scale, settings.tip_edge_scale, settings.errors)
+        built = self._build(settings.coupling_scale, settings.tip_edge_scale, settings.evenness, settings.errors)
         setup, placement, drive = built.setup, built.placement, built.drive
         inertia = settings.inertia_scale / settings.stiffness_scale
         zero = setup.calibration.angle_offset + settings.angle_offset
@@ -203,17 +204,22 @@ class SystemBench(Record):
         )
 
     @cached_property
-    def _build(self) -> Callable[[float, float, tuple[float, ...]], System]:
-        """What makes the system with multiples of the coupling of neighbour teeth and of the radius of tip edges, and with its errors.
+    def _build(self) -> Callable[[float, float, float, tuple[float, ...]], System]:
+        """What makes the system with multiples of the coupling of neighbour teeth and of the radius of tip edges, evenness, and errors.
 
         The latest are kept.
         """
         # It holds the system, not the bench: what holds itself stays in memory until circles are looked for.
         system, errors = self.system, self.errors
 
-        def build(coupling: float, edges: float, moved: tuple[float, ...]) -> System:
+        def build(coupling: float, edges: float, evenness: float, moved: tuple[float, ...]) -> System:
             wrong = varied(system, ((variant, variant.value(far)) for variant, far in zip(errors, moved, strict=False)))
-            return dataclasses.replace(wrong, flanks=wrong.flanks.edged(edges), compliance=wrong.compliance.coupled(coupling))
+            return dataclasses.replace(
+                wrong,
+                flanks=wrong.flanks.edged(edges),
+                compliance=wrong.compliance.coupled(coupling),
+                law=evened(wrong.law, evenness),
+            )
 
         return lru_cache(BUILT)(build)
 

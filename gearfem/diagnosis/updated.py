@@ -98,6 +98,7 @@ def calibration_table(known: Calibration, settings: Settings, proof: Proof) -> d
         "contact_compliance_scale": both.contact_scale,
         "body_compliance_scale": both.body_scale,
         "contact_depth_scale": both.depth_scale,
+        "contact_evenness": both.evenness,
         "friction_coefficient": both.friction,
         "misalignment_um": both.misalignment / UM,
         "centre_distance_um": both.centre_distance / UM,

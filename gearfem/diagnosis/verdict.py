@@ -34,6 +34,8 @@ STANDS, CLOSED = 0.60, 0.90
 GAP_SLOW, GAP_MOVING = 1.25, 2.0
 # Prior deviations of a nuisance at which it does the work of something that is missing.
 ASTRAY = 4.0
+# Chance of nuisances and errors of the model as far off together, below which they do the work of an effect.
+UNLIKELY = 0.01
 # What may remain beside a name that stands, in gaps.
 REST = 2.4
 
@@ -117,8 +119,17 @@ class Naming(Record):
 
 
 def sound(search: Search) -> bool:
-    """Return whether nuisances alone leave no gap and do the work of no effect."""
-    return gap_left(search.alone, search.problem) < 1.0 and stays(search.problem, search.alone)
+    """Return whether nuisances alone leave no gap and do the work of no effect, none of them by itself nor all together."""
+    problem, alone = search.problem, search.alone
+    return gap_left(alone, problem) < 1.0 and stays(problem, alone) and not _unlikely(problem, alone)
+
+
+def _unlikely(problem: Problem, fit: Fit) -> bool:
+    """Return whether nuisances and errors of the model in a fit are farther off than healthy ones are together, whatever the zero is."""
+    unknowns = problem.unknowns
+    own = [place for place, nuisance in enumerate(problem.nuisances) if nuisance.name != "angle_offset"]
+    moved = np.concatenate([fit.point.unknown[own], fit.point.unknown[unknowns.wrong]])
+    return bool(moved.size) and float(chi2.sf(moved @ moved, moved.size)) < UNLIKELY
 
 
 def needed(search: Search, effects: tuple[Effect, ...]) -> float:

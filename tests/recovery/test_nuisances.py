@@ -177,7 +177,7 @@ def test_no_gap_where_nothing_is_missing(healthy: Comparison) -> None:
 @pytest.mark.parametrize(("zone", "torques"), [("double_exit", (60.0, 150.0)), ("recess", (10.0, 60.0, 150.0))])
 def test_a_gap_is_found_in_its_zone(zone: str, torques: tuple[float, ...]) -> None:
     inside = in_zones(true_angle(), PAIR)[:, ZONES.index(zone)]
-    ripple = np.where(inside, 6e-8 * np.sin(40.0 * math.pi * true_angle() / PITCH), 0.0)
+    ripple = np.where(inside, 8e-8 * np.sin(40.0 * math.pi * true_angle() / PITCH), 0.0)
     found = localise(compare(campaign(1, dict.fromkeys(torques, ripple)), SCATTER, lambda _: SPRINGS), draws=120)
     assert found.gap
     named = {place.record: place.zone for place in reversed(found.where) if place.domain == "mesh_phase"}

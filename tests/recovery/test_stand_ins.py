@@ -40,7 +40,7 @@ def test_beside_an_effect_what_does_the_same_is_not_there(found: Diagnosis) -> N
 @pytest.mark.parametrize(
     ("effect", "field", "doubt"),
     [
-        (ContactCompliance(scale=3.0), "scale", 3.0 * 0.5),
+        (ContactCompliance(scale=3.0), "scale", 3.0 * 0.3),
         (BodyCompliance(scale=2.0), "scale", 2.0 * 0.2),
         (SensorGain(scale=0.5), "scale", 0.5 * math.expm1(0.02)),
         (LeadMisalignment(slope=20.0 * UM), "slope", 1.0 * UM),

@@ -28,7 +28,13 @@ TABLES: dict[str, Any] = {
     "wheel": {"teeth": 22},
     "operation": {"pinion_torque_Nm": 100.0, "pinion_speed_rpm": 1000.0},
     "effect": [{"name": "profile_slope", "gear": "pinion", "amount_um": 3.0}],
-    "calibration": {"torque_scale": 1.01, "gain": 1.02, "angle_offset_rad": 0.02, "record": [{"file": "a.csv", "offset_um": 3.0}]},
+    "calibration": {
+        "torque_scale": 1.01,
+        "gain": 1.02,
+        "contact_evenness": 0.3,
+        "angle_offset_rad": 0.02,
+        "record": [{"file": "a.csv", "offset_um": 3.0}],
+    },
 }
 # Each acts on a stage of its own, or overrules what a scale multiplies.
 EFFECTS = ("tip_relief", "runout", "support_compliance", "torque_ripple", "damping", "friction", "sensor_gain", "sensor_lag")
@@ -50,6 +56,7 @@ def settings() -> Settings:
         series_compliance=-8e-11,
         coupling_scale=0.6,
         tip_edge_scale=0.3,
+        evenness=0.6,
         errors=(0.8, -1.2, 0.5, 1.1, 0.0, -0.7),
     )
 
@@ -124,6 +131,8 @@ def test_the_keys_of_the_owner_stay(written: tuple[Path, SystemBench]) -> None:
     assert [effect.table()["name"] for effect in setup.effects if hasattr(effect, "table")] == ["profile_slope", *EFFECTS]
     assert setup.operation.damping_ratio == pytest.approx(0.06)
     assert setup.calibration.torque_scale == pytest.approx(1.01 * 1.02)
+    # Each leaves its share of what the edges yield.
+    assert 1.0 - setup.calibration.evenness == pytest.approx(0.7 * 0.4)
     assert setup.calibration.angle_offset == pytest.approx(0.09)
     assert setup.calibration.offset("a.csv") == pytest.approx(7e-6, rel=1e-12, abs=0.0)
 

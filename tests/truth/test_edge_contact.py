@@ -10,7 +10,9 @@ import pytest
 from gearfem.contact import EdgedLine, HertzLine, Line
 from gearfem.contact.band import edge_band
 from gearfem.contact.peak import largest_pressure
+from gearfem.contact.scaled import EvenLaw
 from gearfem.definition.setup import Material
+from gearfem.foundation import InputError
 
 STEEL = EdgedLine(pinion=Material(), wheel=Material())
 MODULUS = STEEL.hertz.contact_modulus
@@ -238,3 +240,19 @@ def test_compliance_is_that_of_a_flat_punch_as_wide_as_the_band():
 
 def test_hertz_law_is_shared():
     assert STEEL.hertz.contact_modulus == HertzLine(pinion=Material(), wheel=Material()).contact_modulus
+
+
+def test_contact_evened_out_lies_between_edges_and_flanks():
+    """Without any edge at 1, in proportion between, and on the flank itself as it was; one on another leaves what both leave."""
+    law = EdgedLine(pinion=Material(), wheel=Material())
+    line = Line(*map(np.array, (0.029, 3e-3, 3e-3, [1e-3, 1e-4, 0.0, -1e-5, -1e-4], 0.16e-3)))
+    edged, flank = law.respond(3e5, line), law.hertz.respond(3e5, 0.029, 3e-3, 3e-3)
+    for evenness in (0.0, 0.3, 1.0):
+        even = EvenLaw(law=law, evenness=evenness).respond(3e5, line)
+        for got, own, far in zip(even, edged, flank, strict=True):
+            np.testing.assert_allclose(got, own + evenness * (far - own), rtol=1e-14)
+            assert got[0] == pytest.approx(far, rel=1e-12)
+    twice = EvenLaw(law=EvenLaw(law=law, evenness=0.3), evenness=0.5).respond(3e5, line)
+    np.testing.assert_allclose(twice, EvenLaw(law=law, evenness=0.65).respond(3e5, line), rtol=1e-13)
+    with pytest.raises(InputError, match="about 0"):
+        EvenLaw(law=law, evenness=1.6)

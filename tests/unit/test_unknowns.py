@@ -45,16 +45,17 @@ def test_settings_are_found_again_from_their_unknowns() -> None:
         series_compliance=-3e-11,
         coupling_scale=0.4,
         tip_edge_scale=1.3,
+        evenness=0.9,
     )
     unknown = unknowns.of(settings)
     again = unknowns.settings(unknown)
     for field in dataclasses.fields(Settings):
         assert getattr(again, field.name) == pytest.approx(getattr(settings, field.name), rel=1e-12, abs=0.0), field.name
-    # Five scales and two of the build, the zero, the compliance in series, one constant, and four unknowns of each
+    # Five scales and three of the build, the zero, the compliance in series, one constant, and four unknowns of each
     # tooth, the index error first.
-    assert (unknowns.outer, unknowns.first_tooth, unknowns.first_form) == (9, 10, 10 + 4 * 30)
-    assert unknown[10:14] == pytest.approx([settings.pinion_late[0] / 1e-6, 0.0, 0.0, 0.0], rel=1e-12, abs=0.0)
-    assert sorted([*range(unknowns.first_form)[unknowns.late], *unknowns.wavy]) == [*range(10, 130)]
+    assert (unknowns.outer, unknowns.first_tooth, unknowns.first_form) == (10, 11, 11 + 4 * 30)
+    assert unknown[11:15] == pytest.approx([settings.pinion_late[0] / 1e-6, 0.0, 0.0, 0.0], rel=1e-12, abs=0.0)
+    assert sorted([*range(unknowns.first_form)[unknowns.late], *unknowns.wavy]) == [*range(11, 131)]
 
 
 def test_what_motions_alone_say_much_of_can_be_put_back_by_itself() -> None:
