@@ -17,7 +17,7 @@ from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, odd_of, stays, uneven, waves_of
-from gearfem.diagnosis.verdict import _mirrored, _misshapen, closure, judge, needed, sentence_of
+from gearfem.diagnosis.verdict import _mirrored, _misshapen, _unlikely, closure, judge, needed, sentence_of
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -187,6 +187,17 @@ def test_a_form_of_the_flanks_must_gain_more_of_means_that_nuisances_alone_expla
     monkeypatch.setattr("gearfem.diagnosis.verdict.sound", lambda search: explained)
     problem = SimpleNamespace(detected=16.0, wander=16.0, unknowns=SimpleNamespace(scatter=SimpleNamespace(common=common)))
     assert needed(cast(Search, SimpleNamespace(problem=problem)), (effect,)) == least
+
+
+@pytest.mark.parametrize(("moved", "unlikely"), [(1.2, False), (2.0, True)])
+def test_nuisances_that_are_each_likely_may_not_be_so_together(found: Diagnosis, moved: float, unlikely: bool) -> None:
+    """Wherever the zero of the angle is, of which nothing is known."""
+    problem, alone = found.problem, found.naming.alone
+    unknown = alone.point.unknown.copy()
+    unknown[: problem.outer] = moved
+    unknown[[nuisance.name for nuisance in problem.nuisances].index("angle_offset")] = 9.0
+    unknown[problem.unknowns.wrong] = -moved
+    assert _unlikely(problem, dataclasses.replace(alone, point=dataclasses.replace(alone.point, unknown=unknown))) is unlikely
 
 
 @pytest.mark.parametrize(("closed", "words"), [(0.94, "closes 94 % of the gap"), (-0.01, "nuisances alone leave as little")])
