@@ -122,7 +122,12 @@ class Problem:
     @property
     def detected(self) -> float:
         """Least gain that counts."""
-        return max(self.least, IMITATED * float(self.counts.sum()))
+        return max(self.least, self.imitated)
+
+    @property
+    def imitated(self) -> float:
+        """What effects gain at most that imitate errors of the model."""
+        return IMITATED * float(self.counts.sum())
 
     @property
     def outer(self) -> int:

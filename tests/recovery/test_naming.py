@@ -17,11 +17,13 @@ from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, odd_of, stays, uneven, waves_of
+from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import _mirrored, _misshapen, _unlikely, closure, judge, needed, sentence_of
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.effect import Effect
+from gearfem.effects.pitch_error import PitchError
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.profile_wear import ProfileWear
@@ -185,8 +187,22 @@ def test_a_form_of_the_flanks_must_gain_more_of_means_that_nuisances_alone_expla
 ) -> None:
     """Where nothing but the odds of nuisances speaks for it, as much as mirrored explanations differ by."""
     monkeypatch.setattr("gearfem.diagnosis.verdict.sound", lambda search: explained)
-    problem = SimpleNamespace(detected=16.0, wander=16.0, unknowns=SimpleNamespace(scatter=SimpleNamespace(common=common)))
+    problem = SimpleNamespace(detected=16.0, wander=16.0, imitated=3.0, unknowns=SimpleNamespace(scatter=SimpleNamespace(common=common)))
     assert needed(cast(Search, SimpleNamespace(problem=problem)), (effect,)) == least
+
+
+@pytest.mark.parametrize(
+    ("effects", "rows", "least"),
+    [
+        ((PitchError(gear="wheel", tooth=3, amount=6.0 * UM),), 3.0, 80.0),
+        ((Runout(gear="wheel", eccentricity=2.0 * UM, angle=0.0),), 3.0, 40.0),
+        ((Runout(gear="wheel", eccentricity=2.0 * UM, angle=0.0),), 56.0, 56.0),
+        ((Runout(gear="wheel", eccentricity=2.0 * UM, angle=0.0), PitchError(gear="wheel", tooth=3, amount=6.0 * UM)), 3.0, 80.0),
+    ],
+)
+def test_what_turns_with_a_shaft_is_not_imitated_by_single_teeth(effects: tuple[Effect, ...], rows: float, least: float) -> None:
+    problem = SimpleNamespace(detected=max(80.0, rows), wander=40.0, imitated=rows, unknowns=SimpleNamespace(scatter=Scatter()))
+    assert needed(cast(Search, SimpleNamespace(problem=problem)), effects) == least
 
 
 @pytest.mark.parametrize(("moved", "unlikely"), [(1.2, False), (2.0, True)])
