@@ -135,9 +135,9 @@ def _unlikely(problem: Problem, fit: Fit) -> bool:
 def needed(search: Search, effects: tuple[Effect, ...]) -> float:
     """Return what effects must gain to be named.
 
-    Of means that nuisances alone explain, nothing but the odds of these speaks for a name. For one of forms of the flanks they must say as
-    much as lies between mirrored ones at most, which nothing but errors of our model tell apart. Waviness that is not linear imitates teeth,
-    not what turns with a shaft: for this as much as scores of the same explanation may differ by is enough.
+    Of means that nuisances alone explain, nothing but the odds of these speaks for a name. For one of forms of the flanks they must say
+    as much as lies between mirrored ones at most, which nothing but errors of our model tell apart. Waviness that is not linear imitates
+    teeth, not what turns with a shaft: for this as much as scores of the same explanation may differ by is enough.
     """
     problem = search.problem
     if effects and not any(hasattr(effect, "tooth") for effect in effects) and not problem.unknowns.scatter.common:
