@@ -40,9 +40,9 @@ APART = 0.35
 TIMES = 3
 # What index errors may be off where they stand still [m], and the least that single teeth do to a mean, in deviations of its noise.
 INDEX, LEAST = 0.1e-6, 0.1
-# By how much scores of the same explanation differ by where its fit began, and what a name must gain: of seven healthy pairs the best
-# explanation gained 8 at most.
-WANDER = 16.0
+# By how much scores of the same explanation may differ by where its fit began (2 from six starts, with contact over tip edges unknown too),
+# and what a name must gain: of eight healthy pairs the best explanation gained 8 at most.
+WANDER = 10.0
 # The same of slow records row by row, fitted from where means stand: of five healthy pairs the best explanation gained 12 at most.
 BY_ROWS = 24.0
 # What an effect of one tooth or of a turn must gain: waviness that is not linear has gained up to 54 as a pit of one of sixty teeth.

@@ -28,6 +28,8 @@ SHAPE = 0.005
 # Wear, slope or relief of one gear and its mirror on the other differ in the transmission error by less than errors of our model; their
 # scores differ by so many times what those of the same explanation do.
 MIRRORED = 4.0
+# What forms of the flanks must gain of means that nuisances alone explain: a slope has gained 41 for a relief that is there.
+FORMS = 64.0
 # Share of the gap that names must close: less is no explanation, and more brings it to the noise.
 STANDS, CLOSED = 0.60, 0.90
 # What fits may leave, over what can be expected of them, before it counts as a gap.
@@ -135,16 +137,16 @@ def _unlikely(problem: Problem, fit: Fit) -> bool:
 def needed(search: Search, effects: tuple[Effect, ...]) -> float:
     """Return what effects must gain to be named.
 
-    Of means that nuisances alone explain, nothing but the odds of these speaks for a name. For one of forms of the flanks they must say
-    as much as lies between mirrored ones at most, which nothing but errors of our model tell apart. Waviness that is not linear imitates
-    teeth, not what turns with a shaft: for this as much as scores of the same explanation may differ by is enough.
+    Of means that nuisances alone explain, nothing but the odds of these speaks for a name: for one of forms of the flanks they must say
+    more, since nothing but errors of our model tells forms apart. Waviness that is not linear imitates teeth, not what turns with a
+    shaft: for this as much as scores of the same explanation may differ by is enough.
     """
     problem = search.problem
     if effects and not any(hasattr(effect, "tooth") for effect in effects) and not problem.unknowns.scatter.common:
         return max(problem.wander, problem.imitated)
     forms = bool(effects) and all(effect.stage == "flank" and effect.repeats == "every tooth" for effect in effects)
     doubtful = forms and problem.unknowns.scatter.common and sound(search)
-    return max(problem.detected, MIRRORED * problem.wander) if doubtful else problem.detected
+    return max(problem.detected, FORMS) if doubtful else problem.detected
 
 
 def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
