@@ -91,7 +91,7 @@ BUILD = (
     Nuisance(name="coupling_scale", words="coupling of neighbour teeth through bodies", prior=0.5, step=0.05, reach=1.8, is_scale=False),
     Nuisance(
         name="tip_edge_scale",
-        words="radius of the tip edges, about half",
+        words="radius of the tip edges",
         prior=0.55,
         step=-0.02,
         reach=0.97,
@@ -100,7 +100,7 @@ BUILD = (
     ),
     Nuisance(
         name="evenness",
-        words="contact over tip edges (0: by their rounds, 1: as on flanks), about 0.5",
+        words="share of flanks in the contact over tip edges",
         prior=0.5,
         step=0.05,
         reach=1.2,

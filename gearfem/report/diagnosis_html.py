@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.identify import Identifiability
-from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, SERIES
+from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, SERIES, Nuisance
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import Rival
@@ -47,8 +47,16 @@ CAPTIONS = {
     "map_pinion": ("On which teeth of the pinion", "The same over the teeth, by the one nearest to the middle of its path of contact."),
     "map_wheel": ("On which teeth of the wheel", "The same for the wheel."),
 }
+
+
+def _prior(nuisance: Nuisance) -> str:
+    """Return the prior of a nuisance in words."""
+    about = "" if nuisance.level == 1.0 else f" about {100.0 * nuisance.level:g} %"
+    return f"{nuisance.words} {100.0 * nuisance.prior:.2g} %{about}"
+
+
 ASSUMPTIONS = (
-    f"Nuisances carry Gaussian priors: {'; '.join(f'{one.words} {100.0 * one.prior:.2g} %' for one in (*SCALES, *BUILD, *MOVING))}; "
+    f"Nuisances carry Gaussian priors: {'; '.join(_prior(nuisance) for nuisance in (*SCALES, *BUILD, *MOVING))}; "
     f"compliance in series {100.0 * SERIES:g} % of that of a usual mesh; index error of each tooth {Scatter().index / UM:g} µm.",
     f"Errors of our own model carry priors too: {'; '.join(variant.words for variant in VARIANTS)}; form errors that all teeth share.",
     "Intervals are 95 % of a normal distribution, linear about the fit; nuisances and errors of the model are in them.",
