@@ -148,11 +148,10 @@ def _standing(problem: Problem, point: Point, attained: float, derivatives: Arra
 
 def _told(problem: Problem, point: Point) -> Array:
     """Return how much of each index error the records tell, see `Fit`: what is expected of one and found about it adds up in squares."""
-    late = problem.unknowns.late
-    if late.start == late.stop:
+    late = np.arange(problem.unknowns.first_form)[problem.unknowns.late]
+    if not late.size:
         return np.empty(0)
-    inner = slice(late.start - problem.outer, late.stop - problem.outer, late.step)
-    doubt = problem.linear.weighed(point.weights).deviations[inner]
+    doubt = problem.linear.weighed(point.weights).deviations_of(late - problem.outer)
     return np.asarray(np.sqrt(np.maximum(1.0 - doubt**2, 0.0)))
 
 

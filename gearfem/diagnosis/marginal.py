@@ -127,6 +127,13 @@ class Marginal(Record):
         """Standard deviations of the unknowns after the fit, in prior ones, shape (k,)."""
         return np.asarray(np.sqrt((self.root**2).sum(axis=1)))
 
+    def deviations_of(self, places: NDArray[Any]) -> Array:
+        """Return those `deviations` of unknowns at some places alone, for their share of the work."""
+        triangle, _ = self._factor
+        units = np.zeros((len(triangle), len(places)))
+        units[places, np.arange(len(places))] = 1.0
+        return np.asarray(np.sqrt((solve_triangular(triangle, units, trans="T", check_finite=False) ** 2).sum(axis=0)))
+
     def measure(self, vectors: Array, residual: Array) -> tuple[Array, Array]:
         """Return the scalar products of whitened vectors with each other and with a residual, freed from the unknowns.
 

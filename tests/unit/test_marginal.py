@@ -90,3 +90,12 @@ def test_products_without_zeros_are_the_same() -> None:
         columns[row, (row // 10 + np.arange(5)) % 40] = rng.normal(size=5)
     found = marginal((columns,)).products[0]
     assert found == pytest.approx(columns.T @ columns, rel=1e-12, abs=1e-12)
+
+
+def test_deviations_of_some_unknowns_are_those_among_all() -> None:
+    """Of covariances (1 + A'A)^-1."""
+    columns = np.random.default_rng(4).normal(size=(9, 5)) * [0.1, 1.0, 3.0, 0.5, 2.0]
+    expected = np.sqrt(np.diag(np.linalg.inv(np.eye(5) + columns.T @ columns)))
+    unknowns = marginal((columns[:4], columns[4:]))
+    np.testing.assert_allclose(unknowns.deviations, expected, rtol=1e-12)
+    np.testing.assert_allclose(unknowns.deviations_of(np.array([3, 0])), expected[[3, 0]], rtol=1e-12)
