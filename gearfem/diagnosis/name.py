@@ -126,8 +126,11 @@ def _by_rows(problem: Problem, means: Naming, known: tuple[Effect, ...], kinds: 
     rows = row_by_row(problem, known)
     found = select(rows, bare(rows, rows.unknowns.of(means.alone.settings)), kinds, progress, found=())
     if not found.fit.effects:
-        verdict, said = _verdict(means.verdict, found.verdict, found.left), (f"row by row: {reason}" for reason in found.reasons)
-        without = _verdict(means.without, found.without, found.left)
+        said = (f"row by row: {reason}" for reason in found.reasons)
+        if found.left < 1.0:
+            # Means say better where nuisances and errors of the model stand, and single teeth what turns.
+            return dataclasses.replace(means, reasons=(*means.reasons, *said))
+        verdict, without = _verdict(means.verdict, found.verdict, found.left), _verdict(means.without, found.without, found.left)
         return dataclasses.replace(means, verdict=verdict, without=without, reasons=(*means.reasons, *said))
     # What is found stands, and what means have besides must gain as any further effect.
     named = {type(effect) for effect in found.fit.effects}
