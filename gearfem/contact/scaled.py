@@ -74,7 +74,7 @@ class EvenLaw(Record):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not -0.5 <= self.evenness <= 1.5:
-            raise InputError("evenness", self.evenness, "a number about 0 (the law over edges as it is) to 1 (that of the flanks)")
+            raise InputError("evenness", self.evenness, "a number from -0.5 to 1.5; 0 leaves edges as they are, 1 knows none")
 
     def respond(self, force_per_width: ArrayLike, line: Line) -> tuple[Array, Array]:
         """Return approach and compliance together; arguments and errors as `EdgedLine.respond`."""

@@ -45,7 +45,7 @@ INDEX, LEAST = 0.1e-6, 0.1
 WANDER = 10.0
 # The same of slow records row by row, fitted from where means stand: of five healthy pairs the best explanation gained 12 at most.
 BY_ROWS = 24.0
-# What an effect of one tooth or of a turn must gain: waviness that is not linear has gained up to 54 as a pit of one of sixty teeth.
+# What an effect of one tooth must gain: waviness that is not linear has gained up to 54 as a pit of one of sixty teeth.
 SINGLE = 80.0
 
 

@@ -254,5 +254,5 @@ def test_contact_evened_out_lies_between_edges_and_flanks():
             assert got[0] == pytest.approx(far, rel=1e-12)
     twice = EvenLaw(law=EvenLaw(law=law, evenness=0.3), evenness=0.5).respond(3e5, line)
     np.testing.assert_allclose(twice, EvenLaw(law=law, evenness=0.65).respond(3e5, line), rtol=1e-13)
-    with pytest.raises(InputError, match="about 0"):
+    with pytest.raises(InputError, match=r"from -0\.5 to 1\.5"):
         EvenLaw(law=law, evenness=1.6)
