@@ -7,7 +7,7 @@ import dataclasses
 from gearfem.diagnosis.prove import Proof
 from gearfem.diagnosis.verdict import Naming, Verdict, sentence_of
 
-# What a record held out may be left with, in parts of its floor, unless at least this share of its gap is closed.
+# What a record held out may be left with, in parts of what can be expected of it, unless at least this share of its gap is closed.
 OPEN, CLOSES = 2.0, 0.5
 # What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation; and where
 # nuisances stray, which foretell other records too then.
@@ -34,7 +34,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     what nuisances foretell better. A gap that stays open is not explained.
     """
     over, foretold, doubt = proof.over_nuisances, proof.foretold or 1.0, SURE * (proof.stderr or 0.0)
-    far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.floor_rms]
+    far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.expected_rms]
     if naming.fit.effects and over is not None:
         worse = over < (WORSE if sound else FAR_WORSE) and over + doubt < 1.0
         missed = sound and over - doubt < 1.0 < foretold - doubt

@@ -16,16 +16,23 @@ from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.whitening import Whitening, make_whitener
 from gearfem.foundation import Array, Record
 
-Basis = Literal["repeats", "roughness", "stated", "assumed"]
+Basis = Literal["repeats", "remainder", "roughness", "stated", "assumed"]
 # Instruments colour their noise by a filter or two; more lags than that describe something else.
 LAGS = 4
 # Differences of turns that are fewer say less than the roughness of the whole record.
 FEWEST = 120
 BLOCK = 24
+# Parts of a pitch over which all pitches count as alike.
+BINS = 24
 TRIALS = 16
 MAD = 1.4826
 # What is assumed where nothing can be measured: Kw is read to 1 % at best, indicators to 1 um.
 ASSUMED = {"dynamic_factor": 0.01, "radial_runout": 1e-6, "pitch_deviation": 1e-6, "flank_profile": 1e-6}
+WHERE = {
+    "repeats": "what does not repeat",
+    "remainder": "what the fitted model leaves, since the record covers too few turns to repeat",
+    "roughness": "roughness, since the record covers too few turns to repeat",
+}
 NOT_ROUGH = ("dynamic_factor", "radial_runout", "pitch_deviation")
 
 
@@ -35,8 +42,8 @@ class Noise(Record):
 
     Parameters
     ----------
-    basis : {"repeats", "roughness", "stated", "assumed"}
-        Where it comes from: what does not repeat, what is rougher than any signal, the campaign, or nowhere.
+    basis : {"repeats", "remainder", "roughness", "stated", "assumed"}
+        Where it comes from: what does not repeat, what a fit leaves, what is rougher than any signal, the campaign, or nowhere.
     covariance : ndarray, shape (p + 1,)
         Covariance over lags of 0 to p samples, the square of the quantity's SI unit.
     freedom : float
@@ -95,9 +102,11 @@ def measure_noise(record: Measurement, pair: GearPair, explained: Array | None =
     With y = P + W + noise, P of the pinion's turns and W of the wheel's (the mesh belongs to both), the double difference
     y(x + a + b) - y(x + a) - y(x + b) + y(x) over one turn a of the pinion and one turn b of the wheel holds noise alone, and its
     covariance at lags short against a turn is four times the noise's. Records over a hunting period are differenced over it
-    once. Shorter ones than 1 + z2/z1 turns have no repeats: third differences of the samples stand in, taken as white. Only the
-    quieter half of the differences counts. A stated deviation is a floor; where more than it does not repeat, the rest is taken
-    for teeth that act on each other, and the colour from the roughness, as that of a process of first order.
+    once. Only the quieter half of the differences counts. Shorter records than 1 + z2/z1 turns have no repeats. What a model that was
+    fitted to them leaves, less what all pitches have of it, stands in: it holds what no tooth and no error of the model does. Without
+    such a fit it is third differences of the samples, taken as white. A stated deviation is a floor. Where more than it does not repeat,
+    the rest is taken for teeth that act on each other; where third differences of what a fit leaves show less, noise is smoother than
+    white noise. The colour is then that of a process of first order that is as rough.
     """
     if explained is not None:
         record = dataclasses.replace(record, value=record.value - explained)
@@ -107,12 +116,15 @@ def measure_noise(record: Measurement, pair: GearPair, explained: Array | None =
     if rest is not None:
         covariance, freedom = _covariance(*rest)
         basis = "repeats"
+    elif explained is not None and record.noise_std is None and record.quantity.axis == "angle":
+        covariance, freedom = _covariance(_unlike(record, pair), 1)
+        basis = "remainder"
     elif record.quantity.name not in NOT_ROUGH and record.keep.sum() >= 24:
         covariance, freedom = _roughness(record.value[record.keep])
         basis = "roughness"
     measured = math.sqrt(float(covariance[0]))
     sentence = _words(basis, measured, freedom, record)
-    covariance, basis = _reconciled(covariance, basis, freedom, record)
+    covariance, basis = _reconciled(covariance, basis, freedom, record, explained is not None)
     return Noise(
         basis=basis,
         covariance=covariance,
@@ -123,8 +135,11 @@ def measure_noise(record: Measurement, pair: GearPair, explained: Array | None =
     )
 
 
-def _reconciled(covariance: Array, basis: Basis, freedom: float, record: Measurement) -> tuple[Array, Basis]:
-    """Return the measured covariance, or one of the stated deviation where that is larger, or where the record holds more than noise."""
+def _reconciled(covariance: Array, basis: Basis, freedom: float, record: Measurement, fitted: bool) -> tuple[Array, Basis]:
+    """Return the measured covariance, or one of the stated deviation where that is larger, or where the record holds more than noise.
+
+    What is rough is noise only where a fitted model has been taken off.
+    """
     measured, stated = math.sqrt(float(covariance[0])), record.noise_std
     if measured == 0.0:
         return np.array([(stated or ASSUMED[record.quantity.name]) ** 2]), "stated" if stated else "assumed"
@@ -132,6 +147,8 @@ def _reconciled(covariance: Array, basis: Basis, freedom: float, record: Measure
         return covariance, basis
     if measured > (1.0 + 4.0 / math.sqrt(2.0 * freedom)) * stated:
         return _first_order(stated, math.sqrt(float(_roughness(record.value[record.keep])[0][0]))), "stated"
+    if basis == "roughness" and fitted and measured < stated:
+        return _first_order(stated, measured), basis
     return covariance * max(1.0, stated / measured) ** 2, basis
 
 
@@ -151,7 +168,7 @@ def _words(basis: Basis, measured: float, freedom: float, record: Measurement) -
     if basis == "assumed":
         size = (stated or ASSUMED[record.quantity.name]) * scale
         return f"noise of {size:.3g} {unit} {'as stated' if stated else 'assumed: nothing in the record shows it'}".rstrip()
-    where = "what does not repeat" if basis == "repeats" else "roughness, since the record covers too few turns to repeat"
+    where = WHERE[basis]
     text = f"noise of {measured * scale:.3g} {unit} from {where} ({freedom:.0f} degrees of freedom)"
     if stated is None:
         return text
@@ -180,6 +197,13 @@ def _rest(record: Measurement, pair: GearPair) -> tuple[Array, int] | None:
         shifted, valid = _shifted(axis, value, period)
         axis, value = axis[valid], shifted - value[valid]
     return (value, 2 ** len(periods)) if len(value) >= FEWEST else None
+
+
+def _unlike(record: Measurement, pair: GearPair) -> Array:
+    """Return the kept rows of a record less what all pitches have, which is what a model misses of all teeth."""
+    value = record.value[record.keep]
+    place = np.floor(record.axis[record.keep] / pair.pinion.pitch_angle * BINS).astype(int) % BINS
+    return np.asarray(value - (np.bincount(place, value, BINS) / np.maximum(np.bincount(place, minlength=BINS), 1))[place])
 
 
 def _shifted(axis: Array, value: Array, period: float) -> tuple[Array, NDArray[Any]]:

@@ -23,7 +23,7 @@ SURE = 3.0
 def values(effects: tuple[Effect, ...]) -> Array:
     """Return the parameters of effects, shape (p,)."""
     pairs = ((effect, field, known) for effect in effects for field, known in effect.fitted().items())
-    return np.array([known.coordinate(getattr(effect, field)) for effect, field, known in pairs])
+    return np.array([known.coordinate(getattr(effect, field)) for effect, field, known in pairs], float)
 
 
 def bounds(effects: tuple[Effect, ...], setup: Setup) -> tuple[Array, Array]:

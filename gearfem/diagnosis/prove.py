@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 from collections.abc import Mapping
@@ -9,6 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.signal import correlate
 
+from gearfem.definition.setup import Setup
+from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.calibrate import calibrated
 from gearfem.diagnosis.campaign import Measurement
@@ -20,7 +23,7 @@ from gearfem.diagnosis.roles import Role
 from gearfem.diagnosis.smooth import Smooth, fit_smooth
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import tooth_columns
-from gearfem.foundation import Array, Record
+from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.sensing import Request, System, observe, requests
 
@@ -52,6 +55,8 @@ class Gap(Record):
         Standard deviation of the sensor.
     floor_rms : float
         What remains if the effects are exactly right: noise and the waviness of single teeth.
+    doubt_rms : float
+        What the standard deviations of the parameters of the named effects do to what is foretold; 0 of records that were fitted.
     """
 
     measurement: Measurement
@@ -63,6 +68,12 @@ class Gap(Record):
     first_tooth: int
     noise_rms: float
     floor_rms: float
+    doubt_rms: float
+
+    @property
+    def expected_rms(self) -> float:
+        """What remains if the effects are right, as well as their parameters are known."""
+        return math.hypot(self.floor_rms, self.doubt_rms)
 
     @property
     def role(self) -> Role:
@@ -90,7 +101,7 @@ class Proof(Record):
         In the order of the campaign.
     over_nuisances, over_smooth : float or None
         On hold-out records: what nuisances alone, and the smooth correction, leave over what the named effects leave; each in parts of
-        the floor, root mean square over the records. None without hold-out records or effects.
+        what can be expected, root mean square over the records. None without hold-out records or effects.
     foretold : float or None
         What the first would be if the named effects were right: as far above 1 as these records can show them.
     stderr : float or None
@@ -135,7 +146,8 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     Notes
     -----
     On each record, of either role, only what it leaves unknown is fitted: its constant, and its first tooth where that is
-    unknown. The floor is noise and waviness of single teeth as the fit has it, its own uncertainty included.
+    unknown. The floor is noise and waviness of single teeth as the fit has it, its own uncertainty included. A record held out counts by
+    that floor and by how well the parameters of the named effects foretell it: near a resonance a small doubt about one changes all.
     """
     campaign = problem.campaign
     noise_of = {record.file: noise for record, noise in zip(problem.records, problem.noises, strict=True)}
@@ -163,6 +175,7 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
                 first_tooth=after[2],
                 noise_rms=noise.std,
                 floor_rms=_floor(problem, fit, bench, record, noise, waviness),
+                doubt_rms=_parametric(record, fit, setup, after[0]) if record.role == "holdout" else 0.0,
             )
         )
     return _judged(tuple(gaps), bool(fit.effects))
@@ -195,6 +208,22 @@ def _request(record: Measurement, first: int) -> Request:
         tooth=record.tooth or 0,
         file=record.file,
     )
+
+
+def _parametric(record: Measurement, fit: Fit, setup: Setup, left: Array) -> float:
+    """Return the root mean square of what one deviation of each parameter of a fit does to what it leaves of a record, (n,), together."""
+    values, (low, high) = parameters.values(fit.effects), parameters.bounds(fit.effects, setup)
+    deviations = np.array([one for several in fit.deviations for one in several.values()])
+    total = 0.0
+    for place in np.flatnonzero(np.isfinite(deviations)):
+        for step in (deviations[place], -deviations[place]):
+            ahead = values.copy()
+            ahead[place] = min(max(values[place] + step, low[place]), high[place])
+            # What cannot be computed so far off says nothing of the doubt.
+            with contextlib.suppress(InputError, SolveError):
+                moved = _left(record, calibrated(setup, fit.settings, parameters.moved(fit.effects, ahead)))[0]
+                total += 0.5 * float(np.mean((moved - left)[record.keep] ** 2))
+    return math.sqrt(total)
 
 
 def _corrections(problem: Problem, alone: Fit, left: Mapping[str, Array]) -> Mapping[str, Smooth]:
@@ -256,8 +285,8 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
 
 
 def _pooled(gaps: list[tuple[Gap, Array]]) -> float:
-    """Return the root mean square over records of what is left, in parts of the floor of each."""
-    return math.sqrt(sum((gap.rms(series) / gap.floor_rms) ** 2 for gap, series in gaps) / len(gaps))
+    """Return the root mean square over records of what is left, in parts of what can be expected of each."""
+    return math.sqrt(sum((gap.rms(series) / gap.expected_rms) ** 2 for gap, series in gaps) / len(gaps))
 
 
 def _doubt(gaps: list[Gap]) -> float:
@@ -269,7 +298,7 @@ def _doubt(gaps: list[Gap]) -> float:
     errors = []
     for gap in gaps:
         keep = gap.measurement.keep
-        left, does = (series[keep] / gap.floor_rms for series in (gap.after, gap.nuisances_only - gap.after))
+        left, does = (series[keep] / gap.expected_rms for series in (gap.after, gap.nuisances_only - gap.after))
         lags = np.arange(1 + left.size // BLOCKS)
         alike, reach = (correlate(series, series)[series.size - 1 :][: lags.size] for series in (left, does))
         taper = np.where(lags > 0, 2.0, 1.0) * (1.0 - lags / lags.size)

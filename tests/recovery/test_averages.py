@@ -9,14 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import orth
 
 from gearfem.diagnosis import Diagnosis, choose, compare, name, read_campaign
 from gearfem.diagnosis.averages import (
     HAMMERING,
-    MOVING,
+    MISSED,
     PLACES,
+    SLOW,
     _floor,
     _hammers,
+    _lines,
     _mean,
     all_but_largest,
     averaged,
@@ -36,6 +39,7 @@ from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import Naming, Rival, Verdict, gap_left
+from gearfem.diagnosis.whitening import make_whitener
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.friction import Friction
 from gearfem.effects.tip_relief import TipRelief
@@ -100,9 +104,23 @@ def test_motions_whose_flanks_hammer_may_be_missed_by_more(scattered: Comparison
         False,
     ]
     noise = scattered.problem.noises[0]
-    mean = _mean(fast, noise, scattered.campaign)
-    held, parted = (_floor(fast, mean, parts) for parts in (False, True))
-    assert (parted - 1.0) / (held - 1.0) == pytest.approx((HAMMERING / MOVING) ** 2, rel=1e-9, abs=0.0)
+    mean = _mean(fast, noise, pair)
+    held, parted = (_floor(fast, mean, pair, parts) for parts in (False, True))
+    assert (parted - 1.0) / (held - 1.0) == pytest.approx((HAMMERING / MISSED["dynamic_transmission_error"]) ** 2, rel=1e-9, abs=0.0)
+
+
+def test_what_a_model_may_miss_is_rough_where_noise_is_smooth(scattered: Comparison) -> None:
+    """As much of the course as is missed, drawn at random over the places of the pitch."""
+    pair, record = scattered.campaign.setup.pair, scattered.problem.records[0]
+    noise = scattered.problem.noises[0]
+    smooth = dataclasses.replace(noise, whitener=make_whitener(noise.covariance[0] * 0.8 ** np.arange(2), record.keep))
+    mean, lines = _mean(record, smooth, pair), _lines(record, pair)
+    ways = orth(lines)
+    course = ways @ (ways.T @ (record.value - record.value.mean()))
+    missed = SLOW * np.std(course) * np.random.default_rng(3).standard_normal((PLACES, 200))
+    left = np.mean(mean.whitener.apply(lines @ missed) ** 2)
+    assert _floor(record, mean, pair, hammers=False) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
+    assert left > 2.0 * SLOW**2 * np.mean(mean.whitener.apply(course) ** 2)
 
 
 def test_the_largest_kw_of_turns_is_none_of_the_means_beside_other_motions(scattered: Comparison) -> None:

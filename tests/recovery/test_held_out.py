@@ -10,7 +10,7 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.held_out import as_held_out_leaves
-from gearfem.diagnosis.prove import Gap, _doubt
+from gearfem.diagnosis.prove import Gap, _doubt, prove
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_a_name_that_leaves_open_what_straying_nuisances_foretell_better_is_with
     """However much of its gap the named effects close, unless they bring it to its floor."""
 
     def left(gap: Gap) -> Gap:
-        series = np.full(gap.after.shape, floors * gap.floor_rms)
+        series = np.full(gap.after.shape, floors * gap.expected_rms)
         return dataclasses.replace(gap, before=30.0 * series, after=series) if gap.role == "holdout" else gap
 
     proof = dataclasses.replace(found.proof, over_nuisances=share, records=tuple(map(left, found.proof.records)))
@@ -53,18 +53,40 @@ def test_a_name_that_leaves_open_what_straying_nuisances_foretell_better_is_with
     assert bool(held.fit.effects) == (verdict == "explained")
 
 
+def test_what_parameters_foretell_badly_opens_no_gap(found: Diagnosis) -> None:
+    """Three times the floor is left, as much as a deviation of the parameters of the named effect does."""
+
+    def left(gap: Gap, doubt: float) -> Gap:
+        series = np.full(gap.after.shape, 3.0 * gap.floor_rms)
+        return dataclasses.replace(gap, after=series, before=series, doubt_rms=doubt * gap.floor_rms) if gap.role == "holdout" else gap
+
+    for doubt, verdict in ((0.0, "unexplained"), (3.0, "explained")):
+        proof = dataclasses.replace(found.proof, over_nuisances=0.9, records=tuple(left(gap, doubt) for gap in found.proof.records))
+        assert as_held_out_leaves(found.naming, proof, sound=False).verdict == verdict
+
+
+def test_the_doubt_of_parameters_is_that_of_what_they_foretell(found: Diagnosis) -> None:
+    """What half a deviation more does is half of it; records that were fitted have none."""
+    problem, fit = found.problem, found.naming.fit
+    doubts = [gap.doubt_rms for gap in found.proof.records]
+    assert all((doubt > 0.0) == (gap.role == "holdout") for doubt, gap in zip(doubts, found.proof.records, strict=True))
+    half = dataclasses.replace(fit, deviations=tuple({key: 0.5 * one for key, one in own.items()} for own in fit.deviations))
+    again = [gap.doubt_rms for gap in prove(problem, half, found.naming.alone).records]
+    assert again == pytest.approx([0.5 * doubt for doubt in doubts], rel=0.1, abs=0.0)
+
+
 @pytest.mark.parametrize("share", [1.0, 0.1])
 def test_the_doubt_is_what_chance_makes_of_what_records_held_out_tell(found: Diagnosis, share: float) -> None:
     """Noise alike over neighbouring rows, drawn again and again, beside an effect that acts all over a record or on a tenth of it."""
     (gap, *_) = (gap for gap in found.proof.records if gap.role == "holdout")
     rows, random = gap.after.size, np.random.default_rng(8)
-    does = np.where(np.arange(rows) < share * rows, gap.floor_rms * np.sin(0.3 * np.arange(rows)), 0.0)
+    does = np.where(np.arange(rows) < share * rows, gap.expected_rms * np.sin(0.3 * np.arange(rows)), 0.0)
     told, doubts = [], []
     for _ in range(300):
-        noise = gap.floor_rms * random.standard_normal(rows + 4)
+        noise = gap.expected_rms * random.standard_normal(rows + 4)
         left = np.convolve(noise, np.full(5, 1.0 / math.sqrt(5.0)), "valid")
         keep = gap.measurement.keep
-        told.append(float(np.mean((left + does)[keep] ** 2 - left[keep] ** 2)) / gap.floor_rms**2)
+        told.append(float(np.mean((left + does)[keep] ** 2 - left[keep] ** 2)) / gap.expected_rms**2)
         doubts.append(_doubt([dataclasses.replace(gap, nuisances_only=left + does, after=left)]))
     assert np.median(doubts) == pytest.approx(np.std(told), rel=0.2, abs=0.0)
 

@@ -85,6 +85,39 @@ def test_half_a_turn_has_its_roughness() -> None:
     assert found.limit(0.01) > 2.6
 
 
+def coloured(count: int, std: float, memory: float = 0.8) -> np.ndarray:
+    """Return noise of first order, in metres."""
+    white = np.random.default_rng(6).normal(0.0, std, count + 100)
+    return np.asarray(lfilter([math.sqrt(1.0 - memory**2)], [1.0, -memory], white)[100:])
+
+
+def means(white: np.ndarray) -> float:
+    """Return the standard deviation of means over 40 rows in parts of that of independent rows of variance 1."""
+    return float(white[: white.size // 40 * 40].reshape(-1, 40).mean(axis=1).std() * math.sqrt(40.0))
+
+
+def test_too_few_turns_smoother_than_the_stated_noise_have_coloured_noise() -> None:
+    smooth, noise = 1e-6 * np.sin(0.03 * np.arange(900)), coloured(900, 2e-7)
+    record = dataclasses.replace(measured(smooth + noise), noise_std=2e-7)
+    assert measure_noise(record, PAIR).covariance == pytest.approx([4e-14], rel=1e-9, abs=0.0)
+    found = measure_noise(record, PAIR, smooth)
+    assert found.std == pytest.approx(2e-7, rel=1e-9, abs=0.0)
+    assert found.covariance[1] / found.covariance[0] == pytest.approx(0.8, abs=0.1)
+    # Taken as white it would be 2.5.
+    assert means(found.whitener.apply(noise)) == pytest.approx(1.0, abs=0.35)
+
+
+def test_too_few_turns_without_a_stated_noise_show_it_in_what_a_fit_leaves() -> None:
+    noise, pitch = coloured(900, 2e-7), 2.0 * np.pi / PAIR.pinion.pitch_angle
+    record = measured(repeating(900) + noise)
+    missed = 3e-7 * np.sin(pitch * record.axis)
+    found = measure_noise(dataclasses.replace(record, value=record.value + missed), PAIR, repeating(900))
+    assert found.basis == "remainder"
+    assert "fitted model leaves" in found.sentence
+    assert found.std == pytest.approx(2e-7, rel=0.25, abs=0.0)
+    assert means(found.whitener.apply(noise)) == pytest.approx(1.0, abs=0.35)
+
+
 def test_whitener_makes_the_covariance_a_unit_matrix() -> None:
     process = 2.5 * 0.8 ** np.arange(30)
     covariance = process[np.abs(np.subtract.outer(np.arange(30), np.arange(30)))]
