@@ -31,6 +31,8 @@ ALIKE = 0.999
 HOPELESS = 0.5
 # Explanations that are fitted again, with derivatives taken where they stand, before the search goes on; further ones after that.
 SETTLED, FURTHER_SETTLED = 4, 2
+# Those that are, beside nuisances alone without a gap, before it is known whether there is anything to look for.
+PROMISED = 2
 # Shares of the first gear at which an effect of both gears is tried.
 SPLITS = (0.2, 0.35, 0.5, 0.65, 0.8)
 # Cosine of two responses, freed from all nuisances, from which on one may pass for the other; and how many of those are fitted.
@@ -71,8 +73,9 @@ def select(
     Forward selection with back-elimination, up to three effects; the first candidates are tried in pairs too. A score is the objective
     (what records cost by `profile`, and all nuisances, model form included, in prior deviations, squared) plus a cost for each
     parameter, for the choice of a tooth and for a parameter at its bound. Records that nuisances leave without a gap end before the
-    search, where these stay within reason and no candidate promises much, or else where no single effect keeps what it promised. Leads
-    need solid elements: the misalignment among the errors of the model has computed them before the work is shared out.
+    search, where these stay within reason and no candidate promises much, or else where no single effect keeps what it promised once
+    both are fitted again. Leads need solid elements: the misalignment among the errors of the model has computed them before the work is
+    shared out.
     """
     if problem.effects:
         # A search before has left it prepared at what that named.
@@ -89,7 +92,7 @@ def select(
         search.settle_from(found, progress, "explanations found before")
     elif not sound(search):
         search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
-    if gap_left(alone, problem) < 1.0 and search.gained(search.best(1)) < HOPELESS * search.problem.detected:
+    if gap_left(alone, problem) < 1.0 and (_hopeless(search) or (not found and _settled_hopeless(search, progress))):
         return judge(search, shown)
     _pairs(search, alone, first, progress)
     search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
@@ -152,6 +155,20 @@ def _further(search: Search, candidates: tuple[Candidate, ...], progress: Progre
 def _agrees(search: Search, candidates: tuple[Candidate, ...]) -> bool:
     """Return whether nuisances alone are sound, and no candidate promises half of what a name needs."""
     return sound(search) and all(candidate.gain < HOPELESS * search.problem.detected for candidate in candidates)
+
+
+def _hopeless(search: Search) -> bool:
+    """Return whether no single effect keeps half of what a name needs."""
+    return search.gained(search.best(1)) < HOPELESS * search.problem.detected
+
+
+def _settled_hopeless(search: Search, progress: Progress) -> bool:
+    """Return the same once the nuisances alone and the best effects are fitted again: first fits gain what these alone had missed."""
+    search.settle([search.alone, *search.first(PROMISED)], progress, "first explanations again")
+    if not _hopeless(search):
+        return False
+    search.problem.prepare((), search.alone.point.unknown)
+    return True
 
 
 def _singles(search: Search, alone: Fit, candidates: tuple[Candidate, ...], progress: Progress) -> None:
