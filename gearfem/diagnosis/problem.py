@@ -68,6 +68,8 @@ class Problem:
         Makes the model with effects, those known not among them.
     wander, least : float
         By how much scores of the same explanation may differ, and what a name must gain whatever the number of rows.
+    share : float
+        Share of the rows that it must gain too.
     effects : tuple of Effect
         Under which it was prepared last.
     columns : tuple of ndarray, shapes (n, i)
@@ -94,6 +96,7 @@ class Problem:
     whole: Marginal
     wander: float = WANDER
     least: float = WANDER
+    share: float = IMITATED
 
     def __init__(
         self,
@@ -127,7 +130,7 @@ class Problem:
     @property
     def imitated(self) -> float:
         """What effects gain at most that imitate errors of the model."""
-        return IMITATED * float(self.counts.sum())
+        return self.share * float(self.counts.sum())
 
     @property
     def outer(self) -> int:
