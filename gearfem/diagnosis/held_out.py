@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
-from gearfem.diagnosis.prove import Proof
+from gearfem.diagnosis.prove import Gap, Proof
 from gearfem.diagnosis.verdict import Naming, Verdict, sentence_of
 
 # What a record held out may be left with, in parts of what can be expected of it, unless at least this share of its gap is closed.
@@ -42,13 +43,21 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
             return _withdrawn(naming, naming.without if sound else "unexplained", "more" if worse else "not surely less")
         if far and over < WORSE and naming.verdict != "ambiguous":
             return _withdrawn(naming, "unexplained", "more")
+    wide = [gap for gap in proof.of("holdout") if gap not in far and gap.rms(gap.after) > OPEN * gap.floor_rms]
+    if naming.fit.effects and wide:
+        reason = f"Records held out ({_files(wide)}) are foretold no better than the parameters are known."
+        naming = dataclasses.replace(naming, reasons=(*naming.reasons, reason))
     open_gaps = [gap for gap in far if gap.closure < CLOSES]
     if naming.verdict != "explained" or not open_gaps:
         return naming
-    files = ", ".join(gap.measurement.file for gap in open_gaps)
-    reason = f"A gap stays open on records held out ({files}): something else acts there, or the effects are not quite these."
+    reason = f"A gap stays open on records held out ({_files(open_gaps)}): something else acts there, or the effects are not quite these."
     sentence = sentence_of("partly_explained", naming.fit, naming.closed)
     return dataclasses.replace(naming, verdict="partly_explained", sentence=sentence, reasons=(*naming.reasons, reason))
+
+
+def _files(gaps: Sequence[Gap]) -> str:
+    """Return the files of records in words."""
+    return ", ".join(gap.measurement.file for gap in gaps)
 
 
 def _withdrawn(naming: Naming, verdict: Verdict, words: str) -> Naming:

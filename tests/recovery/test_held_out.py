@@ -62,7 +62,9 @@ def test_what_parameters_foretell_badly_opens_no_gap(found: Diagnosis) -> None:
 
     for doubt, verdict in ((0.0, "unexplained"), (3.0, "explained")):
         proof = dataclasses.replace(found.proof, over_nuisances=0.9, records=tuple(left(gap, doubt) for gap in found.proof.records))
-        assert as_held_out_leaves(found.naming, proof, sound=False).verdict == verdict
+        held = as_held_out_leaves(found.naming, proof, sound=False)
+        assert held.verdict == verdict
+        assert ("no better than the parameters are known" in held.reasons[-1]) == (doubt > 0.0)
 
 
 def test_the_doubt_of_parameters_is_that_of_what_they_foretell(found: Diagnosis) -> None:
