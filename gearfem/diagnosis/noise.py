@@ -22,8 +22,8 @@ LAGS = 4
 # Differences of turns that are fewer say less than the roughness of the whole record.
 FEWEST = 120
 BLOCK = 24
-# Parts of a pitch over which all pitches count as alike.
-BINS = 24
+# Parts of a pitch over which all pitches count as alike, and pitches from which on their mean is theirs.
+BINS, PITCHES = 24, 6
 TRIALS = 16
 MAD = 1.4826
 # What is assumed where nothing can be measured: Kw is read to 1 % at best, indicators to 1 um.
@@ -116,7 +116,7 @@ def measure_noise(record: Measurement, pair: GearPair, explained: Array | None =
     if rest is not None:
         covariance, freedom = _covariance(*rest)
         basis = "repeats"
-    elif explained is not None and record.noise_std is None and record.quantity.axis == "angle":
+    elif explained is not None and record.noise_std is None and _has_pitches(record, pair):
         covariance, freedom = _covariance(_unlike(record, pair), 1)
         basis = "remainder"
     elif record.quantity.name not in NOT_ROUGH and record.keep.sum() >= 24:
@@ -199,11 +199,19 @@ def _rest(record: Measurement, pair: GearPair) -> tuple[Array, int] | None:
     return (value, 2 ** len(periods)) if len(value) >= FEWEST else None
 
 
+def _has_pitches(record: Measurement, pair: GearPair) -> bool:
+    """Return whether a record covers enough pitches to tell what they do not share."""
+    rows = record.keep.sum()
+    return record.quantity.axis == "angle" and rows >= FEWEST and np.ptp(record.axis[record.keep]) > PITCHES * pair.pinion.pitch_angle
+
+
 def _unlike(record: Measurement, pair: GearPair) -> Array:
-    """Return the kept rows of a record less what all pitches have, which is what a model misses of all teeth."""
+    """Return the kept rows of a record less what all pitches have, which is what a model misses of all teeth; of its variance if white."""
     value = record.value[record.keep]
     place = np.floor(record.axis[record.keep] / pair.pinion.pitch_angle * BINS).astype(int) % BINS
-    return np.asarray(value - (np.bincount(place, value, BINS) / np.maximum(np.bincount(place, minlength=BINS), 1))[place])
+    count = np.bincount(place, minlength=BINS)
+    mean = np.bincount(place, value, BINS) / np.maximum(count, 1)
+    return np.asarray((value - mean[place]) * math.sqrt(value.size / (value.size - np.count_nonzero(count))))
 
 
 def _shifted(axis: Array, value: Array, period: float) -> tuple[Array, NDArray[Any]]:

@@ -113,6 +113,8 @@ def test_too_few_turns_without_a_stated_noise_show_it_in_what_a_fit_leaves() -> 
     missed = 3e-7 * np.sin(pitch * record.axis)
     found = measure_noise(dataclasses.replace(record, value=record.value + missed), PAIR, repeating(900))
     assert found.basis == "remainder"
+    few = dataclasses.replace(record, axis=record.axis[:150], value=record.value[:150], keep=record.keep[:150])
+    assert measure_noise(few, PAIR, repeating(150)).basis == "roughness"
     assert "fitted model leaves" in found.sentence
     assert found.std == pytest.approx(2e-7, rel=0.25, abs=0.0)
     assert means(found.whitener.apply(noise)) == pytest.approx(1.0, abs=0.35)
