@@ -303,6 +303,6 @@ def _floor(record: Measurement, noise: Noise, pair: GearPair, hammers: bool) -> 
     size = float(np.mean(noise.whitener.apply(course) ** 2))
     if record.quantity.axis == "angle":
         lines = _lines(record, pair)
-        white, mean = noise.whitener.apply(lines), orth(lines).T @ course
-        size = max(size, float(mean @ mean) / len(course) * float(np.sum(white**2)) / len(white))
+        white, mean = noise.whitener.apply(lines), orth(lines[record.keep]).T @ course[record.keep]
+        size = max(size, float(mean @ mean) / record.keep.sum() * float(np.sum(white**2)) / len(white))
     return 1.0 + share**2 * size

@@ -121,6 +121,10 @@ def test_what_a_model_may_miss_is_rough_where_noise_is_smooth(scattered: Compari
     left = np.mean(mean.whitener.apply(lines @ missed) ** 2)
     assert _floor(record, mean, pair, hammers=False) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
     assert left > 2.0 * SLOW**2 * np.mean(mean.whitener.apply(course) ** 2)
+    keep = np.arange(len(record.axis)) != 50
+    masked = dataclasses.replace(record, keep=keep, value=np.where(keep, record.value, 1e-3))
+    smooth = dataclasses.replace(smooth, whitener=make_whitener(noise.covariance[0] * 0.8 ** np.arange(2), keep))
+    assert _floor(masked, _mean(masked, smooth, pair), pair, hammers=False) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
 
 
 def test_the_largest_kw_of_turns_is_none_of_the_means_beside_other_motions(scattered: Comparison) -> None:
