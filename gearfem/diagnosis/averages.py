@@ -301,7 +301,8 @@ def _floor(record: Measurement, noise: Noise, pair: GearPair, hammers: bool) -> 
     # The mean itself of a mesh stiffness or an acceleration says nothing of how far their course may be missed.
     course = record.value - record.value[record.keep].mean()
     size = float(np.mean(noise.whitener.apply(course) ** 2))
-    if record.quantity.axis == "angle":
+    if record.quantity.axis == "angle" and noise.covariance.size > 1:
+        # Of white noise rough is less: lines between places, squared and summed, are 1 at most in any row.
         lines = _lines(record, pair)
         white, mean = noise.whitener.apply(lines), orth(lines[record.keep]).T @ course[record.keep]
         size = max(size, float(mean @ mean) / record.keep.sum() * float(np.sum(white**2)) / len(white))

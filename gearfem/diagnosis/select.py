@@ -95,7 +95,7 @@ def select(
     if gap_left(alone, problem) < 1.0 and (_hopeless(search) or (not found and _settled_hopeless(search, progress))):
         return judge(search, shown)
     _pairs(search, alone, first, progress)
-    search.settle([alone, *search.first(SETTLED)], progress, "first explanations again")
+    search.settle([search.alone, *search.first(SETTLED)], progress, "first explanations again")
     if found is None:
         _in_place(search, first, progress)
     _further(search, first, progress)

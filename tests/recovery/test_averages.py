@@ -113,7 +113,8 @@ def test_what_a_model_may_miss_is_rough_where_noise_is_smooth(scattered: Compari
     """As much of the course as is missed, drawn at random over the places of the pitch."""
     pair, record = scattered.campaign.setup.pair, scattered.problem.records[0]
     noise = scattered.problem.noises[0]
-    smooth = dataclasses.replace(noise, whitener=make_whitener(noise.covariance[0] * 0.8 ** np.arange(2), record.keep))
+    covariance = noise.covariance[0] * 0.8 ** np.arange(2)
+    smooth = dataclasses.replace(noise, covariance=covariance, whitener=make_whitener(covariance, record.keep))
     mean, lines = _mean(record, smooth, pair), _lines(record, pair)
     ways = orth(lines)
     course = ways @ (ways.T @ (record.value - record.value.mean()))
@@ -123,7 +124,7 @@ def test_what_a_model_may_miss_is_rough_where_noise_is_smooth(scattered: Compari
     assert left > 2.0 * SLOW**2 * np.mean(mean.whitener.apply(course) ** 2)
     keep = np.arange(len(record.axis)) != 50
     masked = dataclasses.replace(record, keep=keep, value=np.where(keep, record.value, 1e-3))
-    smooth = dataclasses.replace(smooth, whitener=make_whitener(noise.covariance[0] * 0.8 ** np.arange(2), keep))
+    smooth = dataclasses.replace(smooth, whitener=make_whitener(covariance, keep))
     assert _floor(masked, _mean(masked, smooth, pair), pair, hammers=False) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
 
 

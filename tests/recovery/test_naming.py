@@ -19,6 +19,7 @@ from gearfem.diagnosis.name import _by_rows
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, odd_of, stays, uneven, waves_of
+from gearfem.diagnosis.select import _settled_hopeless
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import _mirrored, _misshapen, _unlikely, closure, judge, needed, sentence_of
 from gearfem.diagnosis.write import stderr
@@ -274,3 +275,21 @@ def test_no_name_stands_beside_an_error_of_the_model_that_is_too_large_to_be_any
     unknown[found.problem.unknowns.wrong.start] = moved
     search.fits[label(fit.effects)] = dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
     assert judge(search, found.naming.identifiable).verdict == verdict
+
+
+@pytest.mark.parametrize(("gained", "ends"), [(30.0, False), (10.0, True)])
+def test_what_first_fits_gain_is_looked_into_only_if_it_is_gained_by_fits_made_again(gained: float, ends: bool) -> None:
+    """Half of what a name needs, 40; where the search ends the problem is prepared at the nuisances alone as they are then."""
+    first, again = (SimpleNamespace(point=SimpleNamespace(unknown=np.array([place]))) for place in (0.0, 1.0))
+    prepared: list[float] = []
+    search = SimpleNamespace(alone=first, first=lambda most: ["best"] * most, best=lambda most: "best")
+    search.problem = SimpleNamespace(detected=40.0, prepare=lambda effects, unknown: prepared.append(unknown[0]))
+    search.gained = lambda fit: 100.0 if search.alone is first else gained
+
+    def settle(fits: list[object], *words: object) -> None:
+        assert fits[0] is first
+        search.alone = again
+
+    search.settle = settle
+    assert _settled_hopeless(cast(Search, search), quiet) is ends
+    assert prepared == ([1.0] if ends else [])
