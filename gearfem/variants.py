@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterable
 from typing import Any, Protocol
 
@@ -72,6 +73,10 @@ class Variant:
     def value(self, moved: float) -> float:
         """Return the value of the field so many standard deviations from a model that is right."""
         return self.size**moved if self.is_scale else self.size * moved
+
+    def deviations(self, value: float) -> float:
+        """Return how many standard deviations a value of the field is from a model that is right."""
+        return math.log(value) / math.log(self.size) if self.is_scale else value / self.size
 
     def both(self, one: float, other: float) -> float:
         """Return the value of two errors together."""

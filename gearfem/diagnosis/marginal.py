@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.sparse import csr_array
 
 from gearfem.foundation import Array, Record
 
@@ -31,6 +32,8 @@ class Marginal(Record):
         Whitened columns of each record, each times the prior standard deviation of its unknown.
     products : tuple of ndarray, shapes (k, k)
         Their products A_r' A_r.
+    factors : tuple of ndarray or sparse array, shapes (m_r, k)
+        The columns again, as they are multiplied: sparse where most are zero.
     weights : ndarray, shape (r,)
         What a squared whitened row of each record counts, at most 1.
 
@@ -42,6 +45,7 @@ class Marginal(Record):
 
     columns: tuple[Array, ...]
     products: tuple[Array, ...]
+    factors: tuple[Any, ...]
     weights: Array
 
     @cached_property
@@ -59,15 +63,17 @@ class Marginal(Record):
 
     def first(self, count: int) -> Marginal:
         """Return the first unknowns alone; their columns and products are not copied."""
-        columns = tuple(part[:, :count] for part in self.columns)
-        return dataclasses.replace(self, columns=columns, products=tuple(product[:count, :count] for product in self.products))
+        columns, factors = (tuple(part[:, :count] for part in parts) for parts in (self.columns, self.factors))
+        products = tuple(product[:count, :count] for product in self.products)
+        return dataclasses.replace(self, columns=columns, products=products, factors=factors)
 
     def some(self, places: NDArray[Any]) -> Marginal:
         """Return the unknowns at some places alone, to settle by their products; they have no columns. The latest ones are kept."""
         key, known = places.tobytes(), self._parts
         if key not in known:
             known.clear()
-            known[key] = dataclasses.replace(self, columns=(), products=tuple(one[np.ix_(places, places)] for one in self.products))
+            products = tuple(one[np.ix_(places, places)] for one in self.products)
+            known[key] = dataclasses.replace(self, columns=(), products=products, factors=())
         return known[key]
 
     @cached_property
@@ -91,9 +97,8 @@ class Marginal(Record):
 
     def part(self, places: NDArray[Any]) -> Marginal:
         """Return the records at some places alone."""
-        return Marginal(
-            columns=tuple(self.columns[i] for i in places), products=tuple(self.products[i] for i in places), weights=self.weights[places]
-        )
+        columns, products, factors = (tuple(parts[i] for i in places) for parts in (self.columns, self.products, self.factors))
+        return Marginal(columns=columns, products=products, factors=factors, weights=self.weights[places])
 
     def solve(self, residual: Array) -> Array:
         """Return the unknowns in prior deviations that leave least of whitened vectors, shapes (m,) or (m, p)."""
@@ -101,7 +106,7 @@ class Marginal(Record):
 
     def pulls(self, residual: Array) -> Array:
         """Return what each record pulls at the unknowns at full weight, A_r' r_r of whitened (m,) or (m, p); shape (r, k) or (r, k, p)."""
-        return np.stack([part.T @ residual[rows] for part, rows in zip(self.columns, self.rows, strict=True)])
+        return np.stack([part.T @ residual[rows] for part, rows in zip(self.factors, self.rows, strict=True)])
 
     def settle(self, pulls: Array, squares: Array) -> tuple[Array, Array]:
         """Return the unknowns (k,) that leave least, and what they leave of the squares of each record (r,), from its `pulls`.
@@ -155,7 +160,7 @@ class Marginal(Record):
 
     def moved(self, unknown: Array) -> Array:
         """Return what unknowns, shapes (k,) or (k, p), do to all records, whitened, shapes (m,) or (m, p)."""
-        return np.concatenate([part @ unknown for part in self.columns])
+        return np.concatenate([part @ unknown for part in self.factors])
 
     def _pull(self, residual: Array) -> Array:
         return np.tensordot(self.weights, self.pulls(residual), axes=1)
@@ -169,13 +174,17 @@ def marginal(columns: tuple[Array, ...]) -> Marginal:
     columns : tuple of ndarray, shapes (m_r, k)
         Whitened columns of each record, times the prior standard deviations.
     """
-    return Marginal(columns=columns, products=tuple(_product(part) for part in columns), weights=np.ones(len(columns)))
+    few = [np.count_nonzero(part) <= SPARSE * part.size for part in columns]
+    return Marginal(
+        columns=columns,
+        products=tuple(_product(part) if sparse else np.asarray(part.T @ part) for part, sparse in zip(columns, few, strict=True)),
+        factors=tuple(csr_array(part) if sparse else part for part, sparse in zip(columns, few, strict=True)),
+        weights=np.ones(len(columns)),
+    )
 
 
 def _product(columns: Array) -> Array:
     """Return A'A of columns A, shape (k, k), without the zeros of the teeth out of contact."""
-    if np.count_nonzero(columns) > SPARSE * columns.size:
-        return np.asarray(columns.T @ columns)
     total = np.zeros((columns.shape[1], columns.shape[1]))
     for start in range(0, len(columns), RUN):
         rows = columns[start : start + RUN]

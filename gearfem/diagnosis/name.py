@@ -8,6 +8,8 @@ import dataclasses
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from gearfem.diagnosis.averages import (
     BY_ROWS,
     all_but_largest,
@@ -34,6 +36,8 @@ from gearfem.foundation.progress import Progress, quiet
 
 # Explanations without single teeth with which the search under these begins.
 BEGUN = 4
+# Prior deviations beyond which nuisances alone stand elsewhere than before the search.
+FAR_APART = 1.0
 # Verdicts that name something.
 NAMED: tuple[Verdict, ...] = ("explained", "partly_explained", "ambiguous")
 
@@ -245,7 +249,10 @@ def _merged(first: Naming, second: Naming) -> Naming:
 
 
 def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Naming:
-    """Return one verdict from that on all teeth and that on single ones."""
+    """Return one verdict from that on all teeth and that on single ones; nuisances alone as the search left them, if far from before."""
+    apart = problem.unknowns.of(first.alone.settings) - problem.unknowns.of(alone.settings)
+    if np.abs(apart[: problem.outer]).max(initial=0.0) > FAR_APART:
+        alone = whole(problem, first.alone, second.alone)
     if first.fit.effects or second.fit.effects:
         fit = whole(problem, first.fit, second.fit)
     else:

@@ -124,6 +124,25 @@ class Search:
             self._keep(found)
         progress(words, max(len(starts), 1), max(len(starts), 1))
 
+    def instead(self, progress: Progress) -> bool:
+        """Fit the nuisances alone from where one of them does what a single effect has gained by; return whether they leave less then.
+
+        Where the effect is a likely value of the nuisance it has gained by where the fit of these began.
+        """
+        starts = []
+        for fit in self.first(len(self.fits)):
+            if len(fit.effects) > 1 or self.gained(fit) < self.problem.wander:
+                continue
+            for one in self.problem.stand_ins:
+                if one.serves(fit.effects[0]) and abs(moved := one.moved(fit.effects[0])) <= STRAYED:
+                    unknown = fit.point.stood
+                    unknown[one.place] = moved
+                    starts.append(((), unknown))
+        before = self.alone
+        self.settle_from(starts, progress, "nuisances in the place of effects")
+        self.alone = self.fits[()]
+        return before.objective - self.alone.objective > self.problem.wander
+
     def _keep(self, found: Fit | None) -> None:
         """Keep a fit if it is the best one of its effects so far."""
         if found is not None:

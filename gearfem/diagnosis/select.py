@@ -92,6 +92,9 @@ def select(
         search.settle_from(found, progress, "explanations found before")
     elif not sound(search):
         search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
+    if search.instead(progress):
+        problem.prepare((), search.alone.point.stood)
+        return select(problem, search.alone, kinds, progress, found)
     if gap_left(alone, problem) < 1.0 and (_hopeless(search) or (not found and _settled_hopeless(search, progress))):
         return judge(search, shown)
     _pairs(search, alone, first, progress)

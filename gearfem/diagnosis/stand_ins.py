@@ -48,6 +48,12 @@ class StandIn(Record):
         """Return whether it does what an effect does."""
         return type(self.nominal) is type(effect)
 
+    def moved(self, effect: Effect) -> float:
+        """Return by how many prior deviations the unknown is from the model where it does the same as an effect that it serves."""
+        (field,) = effect.parameters()
+        here, nominal = getattr(effect, field), getattr(self.nominal, field)
+        return self.way.deviations(here / nominal if self.way.is_scale else here - nominal)
+
     def doubt(self, effect: Effect, field: str) -> float:
         """Return by how much a parameter of an effect that it serves is unknown since it is, in the parameter's own coordinate."""
         known = effect.parameters()[field]

@@ -36,7 +36,8 @@ STANDS, CLOSED = 0.60, 0.90
 GAP_SLOW, GAP_MOVING = 1.25, 2.0
 # Prior deviations of a nuisance at which it does the work of something that is missing.
 ASTRAY = 4.0
-# Chance of nuisances and errors of the model as far off together, below which they do the work of an effect.
+# Chance of nuisances and errors of the model as far off together, below which they do the work of an effect; and of noise off the rig,
+# below which it is a gap.
 UNLIKELY = 0.01
 # What may remain beside a name that stands, in gaps.
 REST = 2.4
@@ -326,11 +327,12 @@ def gap_left(fit: Fit, problem: Problem) -> float:
     """Return what a fit leaves; above 1 is a gap: the geometric mean over the rows of the mean squares over what can be expected, or 1.
 
     Slow records, motions and gears off the rig by themselves, in parts of what counts as a gap of each; the largest one, so that many
-    records without a gap do not hide the others.
+    records without a gap do not hide the others. Off the rig a tooth or a flank is a few dozen rows, of which chance leaves more too.
     """
     above = np.log(np.maximum(fit.squares / problem.floor, 1.0))
     moving, off_rig = (np.array([getattr(record.quantity, kind) for record in problem.records]) for kind in ("moving", "of_gear"))
-    kinds = ((~moving & ~off_rig, GAP_SLOW), (moving, GAP_MOVING), (off_rig, GAP_SLOW))
+    few = max(float(problem.counts[off_rig].sum()), 1.0)
+    kinds = ((~moving & ~off_rig, GAP_SLOW), (moving, GAP_MOVING), (off_rig, GAP_SLOW * float(chi2.ppf(1.0 - UNLIKELY, few)) / few))
     return max(math.exp(float(problem.counts[kind] @ above[kind] / problem.counts[kind].sum())) / gap for kind, gap in kinds if kind.any())
 
 

@@ -53,6 +53,13 @@ class Way(NamedTuple):
     contacts: Contacts
 
 
+class Beside(NamedTuple):
+    """Where two pairs are in reach together: the knots between kinks of either, and the contacts of both there."""
+
+    knots: list[Array]
+    contacts: Contacts
+
+
 class Rough(NamedTuple):
     """Samples x (n,) of the way, and by what the logarithm of the radius of curvature changes between them (n - 1,)."""
 
@@ -142,9 +149,7 @@ def pair_table(mesh: Mesh, number: int, way: Way | None = None) -> PairTable:
     2e-5 where the band just meets an edge, by 2e-6 in 99 of 100 places (tests/truth/test_turns.py).
     """
     spans, knots, contacts = way or way_of(mesh, number)
-    # What yields goes by the number of the pair.
-    angle = contacts.pinion_angle + (number - contacts.pairs[0]) * mesh.placement.pair.pinion.pitch_angle
-    contacts = dataclasses.replace(contacts, pairs=(number,), pinion_angle=angle)
+    contacts = _numbered(mesh, contacts, number)
     system = mesh.system(contacts)
     quantities = (contacts.arm1, contacts.arm2, contacts.friction_arm1, contacts.friction_arm2, contacts.sliding_velocity)
     values = np.concatenate([system.gap, *quantities, np.ones_like(system.gap)], axis=1)
@@ -168,7 +173,23 @@ def pair_table(mesh: Mesh, number: int, way: Way | None = None) -> PairTable:
     )
 
 
-def coupling_table(mesh: Mesh, number: int, apart: int, tables: tuple[PairTable, PairTable]) -> CouplingTable | None:
+def beside(mesh: Mesh, number: int, apart: int, tables: tuple[PairTable, PairTable]) -> Beside | None:
+    """Return where two pairs are in reach together, see `coupling_table`, or None; what yields has no part in it."""
+    low = max(tables[0].knots[0], tables[1].knots[0] + apart)
+    high = min(tables[0].knots[-1], tables[1].knots[-1] + apart)
+    if not low < high:
+        return None
+    kinks = {*tables[0].kinks, *(kink + apart for kink in tables[1].kinks)}
+    ends = [low, *sorted(kink for kink in kinks if low + FINEST < kink < high - FINEST), high]
+    cells = mesh.grid.cells // COUPLED
+    parts = [_graded(Span(a, b, (False, False), FLANK), cells, mesh.grid.growth) for a, b in itertools.pairwise(ends)]
+    rows = np.concatenate([_inside(part) for part in parts])
+    return Beside(parts, _contacts(mesh, number, rows, (number, number + apart)))
+
+
+def coupling_table(
+    mesh: Mesh, number: int, apart: int, tables: tuple[PairTable, PairTable], place: Beside | None = None
+) -> CouplingTable | None:
     """Tabulate the compliance between two pairs, or return None if they are never in reach together.
 
     Parameters
@@ -179,6 +200,8 @@ def coupling_table(mesh: Mesh, number: int, apart: int, tables: tuple[PairTable,
         Number of the first pair, and by how many pitches the other one follows.
     tables : (PairTable, PairTable)
         Of the first pair and of the other.
+    place : Beside, optional
+        Where both are in reach, or pairs of the same outlines, where that is known.
 
     Returns
     -------
@@ -189,22 +212,24 @@ def coupling_table(mesh: Mesh, number: int, apart: int, tables: tuple[PairTable,
     SolveError
         If the compliance does not couple teeth so far apart.
     """
-    low = max(tables[0].knots[0], tables[1].knots[0] + apart)
-    high = min(tables[0].knots[-1], tables[1].knots[-1] + apart)
-    if not low < high:
+    place = place or beside(mesh, number, apart, tables)
+    if place is None:
         return None
-    kinks = {*tables[0].kinks, *(kink + apart for kink in tables[1].kinks)}
-    ends = [low, *sorted(kink for kink in kinks if low + FINEST < kink < high - FINEST), high]
-    cells = mesh.grid.cells // COUPLED
-    parts = [_graded(Span(a, b, (False, False), FLANK), cells, mesh.grid.growth) for a, b in itertools.pairwise(ends)]
-    rows = np.concatenate([_inside(part) for part in parts])
-    contacts = _contacts(mesh, number, rows, (number, number + apart))
+    contacts = _numbered(mesh, place.contacts, number)
     linear = read_compliance(mesh.compliance, contacts).linear
     values, pieces, start = 0.5 * (linear[:, 0, 1] + linear[:, 1, 0]), [], 0
-    for part in parts:
+    for part in place.knots:
         pieces.append(_spline(part, values[start : start + part.size, None])[:, 0])
         start += part.size
-    return CouplingTable(knots=np.concatenate([part[:-1] for part in parts] + [[high]]), coupling=np.concatenate(pieces))
+    knots = np.concatenate([part[:-1] for part in place.knots] + [place.knots[-1][-1:]])
+    return CouplingTable(knots=knots, coupling=np.concatenate(pieces))
+
+
+def _numbered(mesh: Mesh, contacts: Contacts, number: int) -> Contacts:
+    """Return contacts as those of the pair of a number, and of pairs after it: what yields goes by the number."""
+    later = number - contacts.pairs[0]
+    angle = contacts.pinion_angle + later * mesh.placement.pair.pinion.pitch_angle
+    return dataclasses.replace(contacts, pairs=tuple(pair + later for pair in contacts.pairs), pinion_angle=angle)
 
 
 def _contacts(mesh: Mesh, number: int, x: Array, pairs: tuple[int, ...] | None = None) -> Contacts:

@@ -224,14 +224,19 @@ def _respond(system: PairSystem, law: LineLaw, force: Array, error: Array) -> tu
     touching = available > 0.0
     own = np.einsum("ajj->aj", system.linear)
     carried, slope = np.zeros_like(available), np.zeros_like(available)
-    carried[touching], slope[touching] = _invert(system.local(law).at(touching), available[touching], own[touching])
+    carried[touching], slope[touching] = _invert(system.local(law).at(touching), available[touching], own[touching], force[touching])
     return carried, slope
 
 
-def _invert(local: LocalApproach, available: Array, own: Array) -> tuple[Array, Array]:
-    """Return f with own f + h(f) = available, and df/d(available); h is concave, so the chord bounds f from above."""
-    bound = available / own
-    force = available / (own + local.approach(bound) / bound)
+def _invert(local: LocalApproach, available: Array, own: Array, near: Array) -> tuple[Array, Array]:
+    """Return f with own f + h(f) = available, and df/d(available), from loads nearby on, or the chord's where one is 0.
+
+    As h is concave, the chord bounds f from above, and a step from either side ends below f, from where steps lead up.
+    """
+    force = near
+    if not (near > 0.0).all():
+        bound = available / own
+        force = np.where(near > 0.0, near, available / (own + local.approach(bound) / bound))
     for _ in range(ITERATIONS):
         approach, compliance = local.respond(force)
         step = (available - own * force - approach) / (own + compliance)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gearfem.engagement.engage import Mesh
 from gearfem.engagement.grid import LEVEL, levels
-from gearfem.engagement.pair_table import CouplingTable, PairTable, coupling_table, pair_table, way_of
+from gearfem.engagement.pair_table import CouplingTable, PairTable, beside, coupling_table, pair_table, way_of
 from gearfem.foundation import Array
 
 Table = TypeVar("Table")
@@ -97,7 +97,7 @@ def make_stack(mesh: Mesh, common: Common, kinds: list[tuple[Kind, Kind]], numbe
             if two not in found:
                 continue
             if (apart, one, two) not in joined:
-                table = _kept((common, apart, one, two), coupling_table, mesh, number, apart, (found[one], found[two]))
+                table = _coupling(mesh, common, (one, two), (found[one], found[two]), number, apart)
                 joined[apart, one, two] = len(couplings) if table is not None else 0
                 couplings += [] if table is None else [table]
             partners[apart - 1, number] = joined[apart, one, two]
@@ -122,6 +122,15 @@ def _table(mesh: Mesh, common: Common, kind: tuple[Kind, Kind], number: int) -> 
     """Return the table of a pair; its way is that of any with the same outlines at the same places."""
     way = _kept((common.placement, *(tooth.outline for tooth in kind)), way_of, mesh, number)
     return pair_table(mesh, number, way)
+
+
+def _coupling(
+    mesh: Mesh, common: Common, kinds: tuple[tuple[Kind, Kind], ...], tables: tuple[PairTable, PairTable], number: int, apart: int
+) -> CouplingTable | None:
+    """Return the coupling of two pairs, in which how they touch has no part; where they do is that of any with the same outlines."""
+    outlines = (tooth.outline for kind in kinds for tooth in kind)
+    place = _kept((common.placement, apart, *outlines), beside, mesh, number, apart, tables)
+    return _kept((common.placement, apart, *kinds), coupling_table, mesh, number, apart, tables, place)
 
 
 def _kept(key: Hashable, make: Callable[..., Table], *args: Any) -> Table:

@@ -6,6 +6,8 @@ import copy
 import dataclasses
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -18,7 +20,7 @@ from gearfem.diagnosis.averages import (
     PLACES,
     SLOW,
     _floor,
-    _hammers,
+    _hammering,
     _lines,
     _mean,
     all_but_largest,
@@ -31,8 +33,8 @@ from gearfem.diagnosis.averages import (
 )
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.comparison import Comparison
-from gearfem.diagnosis.fit import again
-from gearfem.diagnosis.name import _by_rows, _of_means, _told_apart, _verdict
+from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.name import _by_rows, _joined, _of_means, _told_apart, _verdict
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.pitch_point import turned_round
 from gearfem.diagnosis.problem import Problem
@@ -98,15 +100,45 @@ def test_motions_whose_flanks_hammer_may_be_missed_by_more(scattered: Comparison
     record = scattered.problem.records[0]
     fast = dataclasses.replace(record, quantity=QUANTITIES["dynamic_transmission_error"], pinion_speed=500.0)
     late = dataclasses.replace(neutral(pair), pinion_late=np.tile([60.0 * UM, 0.0], 7)[:13])
-    assert [_hammers(one, bench, settings) for one, settings in ((fast, neutral(pair)), (fast, late), (record, late))] == [
-        False,
-        True,
-        False,
-    ]
+    assert [_hammering(one, bench, settings) for one, settings in ((fast, neutral(pair)), (fast, late), (record, late))] == [0.0, 1.0, 0.0]
     noise = scattered.problem.noises[0]
     mean = _mean(fast, noise, pair)
-    held, parted = (_floor(fast, mean, pair, parts) for parts in (False, True))
+    held, parted = (_floor(fast, mean, pair, parts) for parts in (0.0, 1.0))
     assert (parted - 1.0) / (held - 1.0) == pytest.approx((HAMMERING / MISSED["dynamic_transmission_error"]) ** 2, rel=1e-9, abs=0.0)
+
+
+def test_row_by_row_nothing_is_foretold_of_flanks_that_hammer(scattered: Comparison) -> None:
+    record, noise = scattered.problem.records[0], scattered.problem.noises[0]
+    fast = dataclasses.replace(record, quantity=QUANTITIES["dynamic_transmission_error"], pinion_speed=500.0)
+    late = dataclasses.replace(scattered.alone.settings, pinion_late=np.tile([60.0 * UM, 0.0], 7)[:13])
+    problem = Problem(scattered.campaign, (fast, record), (noise, noise), Scatter(terms=2), scattered.problem.bench)
+    course = np.std(record.value[record.keep]) / noise.std
+    for settings, shares in ((late, (1.0, 0.04)), (scattered.alone.settings, (0.15, 0.04))):
+        found = of_single_teeth(problem, settings, ())
+        assert found.floor == pytest.approx([1.0 + (share * course) ** 2 for share in shares], rel=1e-9, abs=0.0)
+
+
+@pytest.mark.parametrize(("rows", "gap"), [(40.0, False), (4000.0, True)])
+def test_chance_leaves_more_of_a_few_rows_off_the_rig(rows: float, gap: bool) -> None:
+    """Of 40 rows 1.4 times what is expected is no gap, of 4000 it is."""
+    problem = SimpleNamespace(floor=np.ones(1), counts=np.array([rows]), records=[SimpleNamespace(quantity=QUANTITIES["radial_runout"])])
+    fit = SimpleNamespace(squares=np.array([1.4]))
+    assert (gap_left(cast(Fit, fit), cast(Problem, problem)) > 1.0) is gap
+
+
+@pytest.mark.parametrize("scale", [1.01, 1.2])
+def test_nuisances_alone_are_those_that_the_search_has_found(scattered: Comparison, monkeypatch: pytest.MonkeyPatch, scale: float) -> None:
+    """Where these stand more than a deviation, 5 % of the stiffness, from those before it."""
+    problem, alone = scattered.problem, scattered.alone
+    settings = dataclasses.replace(alone.settings, stiffness_scale=scale * alone.settings.stiffness_scale)
+    mean = averaged(problem, settings)
+    first = mean.fit((), mean.prepare((), mean.unknowns.of(settings)), rounds=0)
+    _, single = teeth_under(problem, settings, ())
+    monkeypatch.setattr(sys.modules["gearfem.diagnosis.name"], "_one", lambda first, second, alone, fit, *words: (alone, fit))
+    namings = (cast(Naming, SimpleNamespace(alone=one, fit=one)) for one in (first, single))
+    found = cast(tuple[Fit, Fit], _joined(problem, alone, *namings))
+    expected = settings if scale > 1.1 else alone.settings
+    assert [fit.settings.stiffness_scale for fit in found] == pytest.approx([expected.stiffness_scale] * 2, rel=1e-9, abs=0.0)
 
 
 def test_what_a_model_may_miss_is_rough_where_noise_is_smooth(scattered: Comparison) -> None:
@@ -120,12 +152,12 @@ def test_what_a_model_may_miss_is_rough_where_noise_is_smooth(scattered: Compari
     course = ways @ (ways.T @ (record.value - record.value.mean()))
     missed = SLOW * np.std(course) * np.random.default_rng(3).standard_normal((PLACES, 200))
     left = np.mean(mean.whitener.apply(lines @ missed) ** 2)
-    assert _floor(record, mean, pair, hammers=False) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
+    assert _floor(record, mean, pair, hammering=0.0) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
     assert left > 2.0 * SLOW**2 * np.mean(mean.whitener.apply(course) ** 2)
     keep = np.arange(len(record.axis)) != 50
     masked = dataclasses.replace(record, keep=keep, value=np.where(keep, record.value, 1e-3))
     smooth = dataclasses.replace(smooth, whitener=make_whitener(covariance, keep))
-    assert _floor(masked, _mean(masked, smooth, pair), pair, hammers=False) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
+    assert _floor(masked, _mean(masked, smooth, pair), pair, hammering=0.0) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
 
 
 def test_the_largest_kw_of_turns_is_none_of_the_means_beside_other_motions(scattered: Comparison) -> None:

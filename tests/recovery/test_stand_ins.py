@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.parameters import faint
+from gearfem.diagnosis.search import Search
 from gearfem.diagnosis.stand_ins import stand_ins
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -16,6 +19,7 @@ from gearfem.effects.effect import Effect
 from gearfem.effects.lead_misalignment import LeadMisalignment
 from gearfem.effects.sensor_gain import SensorGain
 from gearfem.effects.tip_relief import TipRelief
+from gearfem.foundation.progress import quiet
 from gearfem.foundation.units import MM, UM
 
 
@@ -49,6 +53,38 @@ def test_beside_an_effect_what_does_the_same_is_not_there(found: Diagnosis) -> N
 def test_an_effect_is_as_unknown_as_what_does_the_same(found: Diagnosis, effect: Effect, field: str, doubt: float) -> None:
     (one,) = (one for one in found.problem.stand_ins if one.serves(effect))
     assert one.doubt(effect, field) == pytest.approx(doubt, rel=1e-9, abs=0.0)
+
+
+def test_an_unknown_is_where_it_does_the_same_as_an_effect(found: Diagnosis) -> None:
+    effects = [(one, one.cause(moved), moved) for one in found.problem.stand_ins for moved in (0.0, 1.7)]
+    serving = [(one, effect, moved) for one, effect, moved in effects if isinstance(effect, Effect)]
+    assert len(serving) >= 10
+    for one, effect, moved in serving:
+        assert one.moved(effect) == pytest.approx(moved, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(("scale", "gained", "led"), [(1.3**2.5, 50.0, True), (1.3**3.5, 50.0, False), (1.3**2.5, 5.0, False)])
+def test_nuisances_are_led_to_where_an_effect_gained_by_a_likely_value_of_one(
+    found: Diagnosis, scale: float, gained: float, led: bool
+) -> None:
+    """The contact of a model is 30 % off: 2.5 deviations are likely, 3.5 the work of an effect, and what gains little is left alone."""
+    problem, effect = found.problem, ContactCompliance(scale=scale)
+    place = problem.unknowns.wrong.start
+    fit = SimpleNamespace(effects=(effect,), point=SimpleNamespace(stood=np.zeros(place + 3)))
+    pair = SimpleNamespace(effects=(effect, SensorGain(scale=1.1)))
+    begun: list[np.ndarray] = []
+    stub = SimpleNamespace(problem=problem, alone=SimpleNamespace(objective=100.0), fits={(): None, 1: fit, 2: pair})
+    stub.first, stub.gained = lambda most: [fit, pair], lambda one: gained
+
+    def settle_from(starts: list[tuple[tuple[Effect, ...], np.ndarray]], *words: object) -> None:
+        begun.extend(unknown for effects, unknown in starts if effects == ())
+        stub.fits[()] = SimpleNamespace(objective=100.0 - problem.wander - 1.0 if starts else 100.0)
+
+    stub.settle_from = settle_from
+    assert Search.instead(cast(Search, stub), quiet) is led
+    assert stub.alone is stub.fits[()]
+    assert [np.flatnonzero(unknown).tolist() for unknown in begun] == ([[place]] if led else [])
+    assert [unknown[place] for unknown in begun] == pytest.approx([2.5] if led else [], rel=1e-9, abs=0.0)
 
 
 @pytest.mark.parametrize(

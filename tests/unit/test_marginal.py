@@ -88,8 +88,12 @@ def test_products_without_zeros_are_the_same() -> None:
     columns = np.zeros((300, 40))
     for row in range(300):
         columns[row, (row // 10 + np.arange(5)) % 40] = rng.normal(size=5)
-    found = marginal((columns,)).products[0]
-    assert found == pytest.approx(columns.T @ columns, rel=1e-12, abs=1e-12)
+    found, residual, unknown = marginal((columns,)), rng.normal(size=300), rng.normal(size=40)
+    assert found.products[0] == pytest.approx(columns.T @ columns, rel=1e-12, abs=1e-12)
+    for few in (found, found.first(40), found.part(np.array([0])), found.weighed(np.array([0.5]))):
+        assert few.pulls(residual)[0] == pytest.approx(columns.T @ residual, rel=1e-12, abs=1e-12)
+        assert few.moved(unknown) == pytest.approx(columns @ unknown, rel=1e-12, abs=1e-12)
+    assert found.first(7).pulls(residual)[0] == pytest.approx(columns[:, :7].T @ residual, rel=1e-12, abs=1e-12)
 
 
 def test_deviations_of_some_unknowns_are_those_among_all() -> None:
