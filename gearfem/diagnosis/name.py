@@ -26,7 +26,7 @@ from gearfem.diagnosis.averages import (
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label
+from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label, near_by
 from gearfem.diagnosis.select import select
 from gearfem.diagnosis.side_by_side import side_by_side
 from gearfem.diagnosis.verdict import CLOSED, REST, Naming, Rival, Verdict, closure, gap_left, judge, sentence_of, turning
@@ -158,11 +158,14 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
     own = Rival(effects=naming.fit.effects, score_difference=0.0, why="", near=True, fit=naming.fit, p_values=naming.p_values)
 
     def fitted(one: Rival) -> float:
-        """Return the least that fits attain, where they can be computed: where these end goes by where they begin."""
+        """Return the least that fits attain where they can be computed, from nuisances as the model has them too unless they stay near."""
         start, attained = rows.unknowns.of(one.fit.settings), math.inf
         for unknown in (start, rows.unknowns.neutral(start)):
             with contextlib.suppress(InputError, SolveError):
-                attained = min(attained, again(copy.copy(rows), one.effects, unknown).objective)
+                found = again(copy.copy(rows), one.effects, unknown)
+                attained = min(attained, found.objective)
+                if near_by(rows, found):
+                    break
         return attained
 
     costs: dict[Rival, float] = {}

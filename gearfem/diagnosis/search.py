@@ -102,7 +102,7 @@ class Search:
             found, neutral = fit, self.problem.unknowns.neutral(fit.point.unknown)
             try:
                 found = again(copy.copy(self.problem), fit.effects, fit.point.stood)
-                if stays(self.problem, found) and (found.squares / self.problem.floor).max() < FAR:
+                if near_by(self.problem, found):
                     return found
                 return min(found, again(copy.copy(self.problem), fit.effects, neutral), key=self.score)
             except (InputError, SolveError):
@@ -294,6 +294,11 @@ def waves_of(late: Array) -> Array:
 def stays(problem: Problem, fit: Fit) -> bool:
     """Return whether scales, errors of our model and index errors of a fit stay where they do the work of no effect."""
     return not problem.strayed(fit.point.unknown).any() and not beyond(errors_of(problem, fit)).any()
+
+
+def near_by(problem: Problem, fit: Fit) -> bool:
+    """Return whether a fit leaves no record far off and its nuisances stay: one from elsewhere would end no better."""
+    return stays(problem, fit) and bool((fit.squares / problem.floor).max() < FAR)
 
 
 def way_of(effect: Effect) -> tuple[str, str]:

@@ -87,11 +87,12 @@ def select(
         return judge_few(search, judge(search, shown), first, progress)
     if _agrees(search, first):
         return judge(search, shown)
-    _singles(search, alone, first, progress)
     if found is not None:
+        # What is as good need not be found again, and what promises less is given up.
         search.settle_from(found, progress, "explanations found before")
-    elif not sound(search):
-        search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
+    _singles(search, alone, first, progress)
+    if found is None and not sound(search):
+        search.settle_from(screened(problem, alone, _apart(first), progress), progress, "effects that slow records call for")
     if search.instead(progress):
         problem.prepare((), search.alone.point.stood)
         return select(problem, search.alone, kinds, progress, found)
