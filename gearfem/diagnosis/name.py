@@ -29,7 +29,7 @@ from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label, near_by
 from gearfem.diagnosis.select import select
 from gearfem.diagnosis.side_by_side import side_by_side
-from gearfem.diagnosis.verdict import CLOSED, REST, Naming, Rival, Verdict, closure, gap_left, judge, sentence_of, turning
+from gearfem.diagnosis.verdict import REST, Naming, Rival, Verdict, closure, explains, gap_left, judge, sentence_of, turning
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -183,8 +183,8 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
         for one, cost in sorted(costs.items(), key=lambda item: item[1])
         if one is not best
     )
-    closed = closure(naming.alone, best.fit, mean)
-    verdict: Verdict = "ambiguous" if len(close) > 1 else "explained" if closed >= CLOSED else "partly_explained"
+    closed, remains = closure(naming.alone, best.fit, mean), gap_left(best.fit, mean)
+    verdict: Verdict = "ambiguous" if len(close) > 1 else explains(closed, remains)
     return dataclasses.replace(
         naming,
         verdict=verdict,
@@ -192,7 +192,7 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
         best=best.fit,
         p_values=best.p_values,
         closed=closed,
-        left=gap_left(best.fit, mean),
+        left=remains,
         rivals=(*rivals, *(rival for rival in naming.rivals if not rival.near)),
         threshold=threshold,
         sentence=sentence_of(verdict, best.fit, closed),

@@ -225,6 +225,11 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
         return "unexplained"
     if close:
         return "ambiguous"
+    return explains(closed, remains)
+
+
+def explains(closed: float, remains: float) -> Verdict:
+    """Return the verdict on an explanation that stands, by the share of the gap that it closes and by what it leaves, in gaps."""
     return "explained" if closed >= CLOSED or remains < 1.0 else "partly_explained"
 
 

@@ -21,7 +21,7 @@ from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, odd_of, stays, uneven, waves_of
 from gearfem.diagnosis.select import _settled_hopeless
 from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.verdict import _mirrored, _misshapen, _unlikely, closure, judge, needed, sentence_of
+from gearfem.diagnosis.verdict import Verdict, _mirrored, _misshapen, _unlikely, closure, explains, judge, needed, sentence_of
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -265,6 +265,13 @@ def test_errors_of_the_model_too_large_to_be_any_are_told_and_common_forms_toget
     told = _misshapen(cast(Problem, problem), cast(Fit, fit))
     assert [size for _, size in told] == pytest.approx([-5.5, math.sqrt(36.0 + 49.0 + 25.0), 8.0])
     assert ["gear bodies" in told[0][0], "forms common" in told[1][0], "largest Kw" in told[2][0]] == [True, True, True]
+
+
+@pytest.mark.parametrize(
+    ("closed", "remains", "verdict"), [(0.95, 1.5, "explained"), (0.5, 0.96, "explained"), (0.5, 1.2, "partly_explained")]
+)
+def test_what_leaves_no_gap_explains_the_whole_however_little_there_was(closed: float, remains: float, verdict: Verdict) -> None:
+    assert explains(closed, remains) == verdict
 
 
 @pytest.mark.parametrize(("moved", "verdict"), [(4.9, "explained"), (-5.1, "unexplained")])
