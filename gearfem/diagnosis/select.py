@@ -74,7 +74,7 @@ def select(
     (what records cost by `profile`, and all nuisances, model form included, in prior deviations, squared) plus a cost for each
     parameter, for the choice of a tooth and for a parameter at its bound. Records that nuisances leave without a gap end before the
     search, where these stay within reason and no candidate promises much, or else where no single effect keeps what it promised once
-    both are fitted again. Leads need solid elements: the misalignment among the errors of the model has computed them before the work is
+    both are fitted again. Where nuisances leave less than they did, led there by an effect, all begins again from these. Leads need solid elements: the misalignment among the errors of the model has computed them before the work is
     shared out.
     """
     if problem.effects:
@@ -91,11 +91,11 @@ def select(
         # What is as good need not be found again, and what promises less is given up.
         search.settle_from(found, progress, "explanations found before")
     _singles(search, alone, first, progress)
-    if found is None and not sound(search):
-        search.settle_from(screened(problem, alone, _apart(first), progress), progress, "effects that slow records call for")
     if search.instead(progress):
         problem.prepare((), search.alone.point.stood)
         return select(problem, search.alone, kinds, progress, found)
+    if found is None and not sound(search):
+        search.settle_from(screened(problem, alone, _apart(first), progress), progress, "effects that slow records call for")
     if gap_left(alone, problem) < 1.0 and (_hopeless(search) or (not found and _settled_hopeless(search, progress))):
         return judge(search, shown)
     _pairs(search, alone, first, progress)
