@@ -74,8 +74,8 @@ def select(
     (what records cost by `profile`, and all nuisances, model form included, in prior deviations, squared) plus a cost for each
     parameter, for the choice of a tooth and for a parameter at its bound. Records that nuisances leave without a gap end before the
     search, where these stay within reason and no candidate promises much, or else where no single effect keeps what it promised once
-    both are fitted again. Where nuisances leave less than they did, led there by an effect, all begins again from these. Leads need solid elements: the misalignment among the errors of the model has computed them before the work is
-    shared out.
+    both are fitted again. Where nuisances leave less than they did, led there by an effect, all begins again from these. Leads need solid
+    elements: the misalignment among the errors of the model has computed them before the work is shared out.
     """
     if problem.effects:
         # A search before has left it prepared at what that named.
