@@ -252,12 +252,12 @@ def _merged(first: Naming, second: Naming) -> Naming:
 
 
 def _joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Naming:
-    """Return one verdict from that on all teeth and that on single ones; nuisances alone as the search left them, if far from before."""
+    """Return one verdict from that on all teeth and that on single ones; where nothing is named nuisances stand as these have left them."""
     apart = problem.unknowns.of(first.alone.settings) - problem.unknowns.of(alone.settings)
-    if np.abs(apart[: problem.outer]).max(initial=0.0) > FAR_APART:
-        alone = whole(problem, first.alone, second.alone)
     if first.fit.effects or second.fit.effects:
         fit = whole(problem, first.fit, second.fit)
+    elif np.abs(apart[: problem.outer]).max(initial=0.0) > FAR_APART:
+        fit = alone = whole(problem, first.alone, second.alone)
     else:
         fit = alone
         problem.prepare((), alone.point.stood)
