@@ -87,6 +87,15 @@ def all_but_largest(quantity: Quantity) -> bool:
     return quantity.axis != "speed"
 
 
+def of_teeth(problem: Problem) -> Which:
+    """Return which quantities of a campaign say much of single teeth: not the largest Kw, nor a mesh stiffness beside slow motions.
+
+    That jumps where pairs hand over, so that a few rows carry all that is missed of it, and what turns with a shaft moves some of these.
+    """
+    told = any(turns_round(record) for record in problem.records)
+    return lambda quantity: all_but_largest(quantity) and not (told and quantity.name == "mesh_stiffness")
+
+
 def slow(quantity: Quantity) -> bool:
     """Return whether single teeth act linearly on a quantity: motions whose flanks part take one branch or another for next to nothing."""
     return not quantity.moving
@@ -164,7 +173,7 @@ def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect,
     effects : tuple of Effect
         Effects of all teeth that stand.
     which : callable
-        Which quantities are among the records: `every`, `all_but_largest` or `slow`.
+        Which quantities are among the records: `every`, `slow`, or those of `of_teeth`.
     """
     even = neutral(problem.campaign.setup.pair)
     level = dataclasses.replace(settings, pinion_late=even.pinion_late, wheel_late=even.wheel_late)

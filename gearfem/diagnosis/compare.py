@@ -10,7 +10,7 @@ from functools import partial
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.approach import LOST, at_rest, fit_from, part_of, tuned
-from gearfem.diagnosis.averages import all_but_largest, averaged, has_means, teeth_under, whole
+from gearfem.diagnosis.averages import averaged, has_means, of_teeth, teeth_under, whole
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.comparison import Compared, Comparison, Shift
@@ -101,7 +101,7 @@ def _by_turns(problem: Problem, level: Settings, late: Settings, progress: Progr
         progress("nuisances", 2 + number, 2 + TURNS)
         mean = averaged(problem, late)
         fit = _of_means(mean, level) if fit is None else again(mean, (), mean.unknowns.of(fit.settings))
-        _, single = teeth_under(problem, fit.settings, (), all_but_largest)
+        _, single = teeth_under(problem, fit.settings, (), of_teeth(problem))
         late = dataclasses.replace(fit.settings, pinion_late=single.settings.pinion_late, wheel_late=single.settings.wheel_late)
     assert fit is not None
     alone = whole(problem, fit, single)

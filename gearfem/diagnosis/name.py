@@ -12,11 +12,11 @@ import numpy as np
 
 from gearfem.diagnosis.averages import (
     BY_ROWS,
-    all_but_largest,
     averaged,
     bare,
     beside,
     has_means,
+    of_teeth,
     row_by_row,
     shows_in_means,
     teeth_under,
@@ -213,7 +213,7 @@ def _of_teeth(
 
     A verdict beside another fit is judged anew.
     """
-    teeth, alone = teeth_under(problem, fit.settings, fit.effects, all_but_largest)
+    teeth, alone = teeth_under(problem, fit.settings, fit.effects, of_teeth(problem))
     if before is None:
         naming = select(teeth, alone, kinds, progress)
     else:

@@ -95,7 +95,7 @@ def select(
         problem.prepare((), search.alone.point.stood)
         return select(problem, search.alone, kinds, progress, found)
     if found is None and not sound(search):
-        search.settle_from(screened(problem, alone, _apart(first), progress), progress, "effects that slow records call for")
+        search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
     if gap_left(alone, problem) < 1.0 and (_hopeless(search) or (not found and _settled_hopeless(search, progress))):
         return judge(search, shown)
     _pairs(search, alone, first, progress)

@@ -26,6 +26,7 @@ from gearfem.diagnosis.averages import (
     all_but_largest,
     averaged,
     of_single_teeth,
+    of_teeth,
     shows_in_means,
     slow,
     stand,
@@ -209,6 +210,14 @@ def test_single_teeth_need_no_largest_kw(scattered: Comparison) -> None:
     problem = scattered.problem
     assert of_single_teeth(problem, scattered.alone.settings, (), all_but_largest).records == problem.records
     assert [all_but_largest(QUANTITIES[name]) for name in ("dynamic_factor", "dynamic_transmission_error")] == [False, True]
+    for others, told in (([], True), (["static_transmission_error"], False), (["dynamic_transmission_error"], True)):
+        records = [SimpleNamespace(quantity=QUANTITIES[name]) for name in ("mesh_stiffness", *others)]
+        which = of_teeth(cast(Problem, SimpleNamespace(records=records)))
+        assert [which(QUANTITIES[name]) for name in ("mesh_stiffness", "static_transmission_error", "dynamic_factor")] == [
+            told,
+            True,
+            False,
+        ]
     assert [slow(QUANTITIES[name]) for name in ("dynamic_transmission_error", "pitch_deviation")] == [False, True]
 
 
