@@ -88,7 +88,7 @@ def all_but_largest(quantity: Quantity) -> bool:
 
 
 def of_teeth(problem: Problem) -> Which:
-    """Return which quantities of a campaign say much of single teeth: not the largest Kw, nor a mesh stiffness beside slow motions.
+    """Return which quantities of a campaign say much of single teeth: not the largest Kw, nor a mesh stiffness beside slow ones.
 
     That jumps where pairs hand over, so that a few rows carry all that is missed of it, and what turns with a shaft moves some of these.
     """

@@ -55,9 +55,14 @@ class Search:
     """Explanations that have been fitted, by their labels."""
 
     def __init__(self, problem: Problem, alone: Fit) -> None:
-        self.problem, self.alone = problem, alone
+        self.problem = problem
         self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
         self._mimicked: dict[Fit, tuple[float, ...]] = {}
+
+    @property
+    def alone(self) -> Fit:
+        """Nuisances alone."""
+        return self.fits[()]
 
     def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects", anew: bool = False) -> None:
         """Fit sets of effects, told apart by names, gears and teeth; of several starts of one set the best is kept.
@@ -140,7 +145,6 @@ class Search:
                     starts.append(((), unknown))
         before = self.alone
         self.settle_from(starts, progress, "nuisances in the place of effects")
-        self.alone = self.fits[()]
         return before.objective - self.alone.objective > self.problem.wander
 
     def _keep(self, found: Fit | None) -> None:
@@ -169,7 +173,6 @@ class Search:
             progress(words, number, len(fits))
             self.fits[label(fit.effects)] = fit
         progress(words, max(len(fits), 1), max(len(fits), 1))
-        self.alone = self.fits[()]
 
     def first(self, most: int) -> list[Fit]:
         """Return the best explanations with effects, at most so many."""

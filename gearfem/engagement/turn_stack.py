@@ -130,7 +130,7 @@ def _coupling(
     """Return the coupling of two pairs, in which how they touch has no part; where they do is that of any with the same outlines."""
     outlines = (tooth.outline for kind in kinds for tooth in kind)
     place = _kept((common.placement, apart, *outlines), beside, mesh, number, apart, tables)
-    return _kept((common.placement, apart, *kinds), coupling_table, mesh, number, apart, tables, place)
+    return None if place is None else _kept((common.placement, apart, *kinds), coupling_table, mesh, number, apart, tables, place)
 
 
 def _kept(key: Hashable, make: Callable[..., Table], *args: Any) -> Table:

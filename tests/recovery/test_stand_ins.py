@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis
+from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.parameters import faint
 from gearfem.diagnosis.search import Search
 from gearfem.diagnosis.stand_ins import stand_ins
@@ -65,7 +66,7 @@ def test_an_unknown_is_where_it_does_the_same_as_an_effect(found: Diagnosis) -> 
 
 @pytest.mark.parametrize(("scale", "gained", "led"), [(1.3**2.5, 50.0, True), (1.3**3.5, 50.0, False), (1.3**2.5, 5.0, False)])
 def test_nuisances_are_led_to_where_an_effect_gained_by_a_likely_value_of_one(
-    found: Diagnosis, scale: float, gained: float, led: bool
+    found: Diagnosis, monkeypatch: pytest.MonkeyPatch, scale: float, gained: float, led: bool
 ) -> None:
     """The contact of a model is 30 % off: 2.5 deviations are likely, 3.5 the work of an effect, and what gains little is left alone."""
     problem, effect = found.problem, ContactCompliance(scale=scale)
@@ -73,16 +74,17 @@ def test_nuisances_are_led_to_where_an_effect_gained_by_a_likely_value_of_one(
     fit = SimpleNamespace(effects=(effect,), point=SimpleNamespace(stood=np.zeros(place + 3)))
     pair = SimpleNamespace(effects=(effect, SensorGain(scale=1.1)))
     begun: list[np.ndarray] = []
-    stub = SimpleNamespace(problem=problem, alone=SimpleNamespace(objective=100.0), fits={(): None, 1: fit, 2: pair})
-    stub.first, stub.gained = lambda most: [fit, pair], lambda one: gained
+    search = Search(problem, cast(Fit, SimpleNamespace(objective=100.0)))
+    monkeypatch.setattr(search, "first", lambda most: [fit, pair])
+    monkeypatch.setattr(search, "gained", lambda one: gained)
 
     def settle_from(starts: list[tuple[tuple[Effect, ...], np.ndarray]], *words: object) -> None:
         begun.extend(unknown for effects, unknown in starts if effects == ())
-        stub.fits[()] = SimpleNamespace(objective=100.0 - problem.wander - 1.0 if starts else 100.0)
+        search.fits[()] = cast(Fit, SimpleNamespace(objective=100.0 - problem.wander - 1.0 if starts else 100.0))
 
-    stub.settle_from = settle_from
-    assert Search.instead(cast(Search, stub), quiet) is led
-    assert stub.alone is stub.fits[()]
+    monkeypatch.setattr(search, "settle_from", settle_from)
+    assert search.instead(quiet) is led
+    assert search.alone is search.fits[()]
     assert [np.flatnonzero(unknown).tolist() for unknown in begun] == ([[place]] if led else [])
     assert [unknown[place] for unknown in begun] == pytest.approx([2.5] if led else [], rel=1e-9, abs=0.0)
 
