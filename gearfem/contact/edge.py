@@ -161,6 +161,10 @@ class EdgedLine(Record):
         """
         force = not_negative("force_per_width", force_per_width)
         loaded = np.maximum(force, SMALLEST_LINE_LOAD)
+        positive("edge_radius", line.edge_radius)
+        clear = finite("edge", line.edge) >= self.hertz.half_width(loaded, line.radius)
+        if clear.all():
+            return self.hertz.respond(force, np.broadcast_to(line.radius, clear.shape), line.depth1, line.depth2)
         effective = self._effective(loaded, line)
         approach, slope = self.hertz.respond(force, effective.radius, line.depth1, line.depth2)
         over = effective.growth != 0.5

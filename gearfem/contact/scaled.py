@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -89,6 +89,13 @@ class EvenLaw(Record):
 
 
 Law: TypeAlias = EdgedLine | ScaledLaw | EvenLaw
+
+
+def on_flanks(law: Any) -> Any:
+    """Return the simplest law that is the same as another one where no tip edge is near."""
+    if isinstance(law, EvenLaw):
+        return on_flanks(law.law)
+    return dataclasses.replace(law, law=on_flanks(law.law)) if isinstance(law, ScaledLaw) else law
 
 
 def evened(law: Law, evenness: float) -> Law:

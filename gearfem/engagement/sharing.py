@@ -14,6 +14,8 @@ from gearfem.foundation import Array, Record, SolveError
 
 ITERATIONS = 80
 TOLERANCE = 1e-12
+# A step of Newton's method after which the next one would be its square.
+CLOSE = 1e-8
 
 
 class LineLaw(Protocol):
@@ -241,12 +243,9 @@ def _invert(local: LocalApproach, available: Array, own: Array, near: Array) -> 
         approach, compliance = local.respond(force)
         step = (available - own * force - approach) / (own + compliance)
         force = np.maximum(force + step, 0.1 * force)
-        if np.all(np.abs(step) <= 4e-15 * force):
-            break
-    else:
-        if not np.all(np.abs(step) <= TOLERANCE * force):
-            raise SolveError("the contact law could not be inverted")
-    return force, 1.0 / (own + local.respond(force)[1])
+        if np.all(np.abs(step) <= CLOSE * force):
+            return force, 1.0 / (own + compliance)
+    raise SolveError("the contact law could not be inverted")
 
 
 def _invert_alone(system: PairSystem, law: LineLaw, torque: float) -> Array:

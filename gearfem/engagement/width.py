@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from gearfem.compliance import SolidElements
 from gearfem.compliance.record import Compliance, ToothCompliance
 from gearfem.contact import Line
+from gearfem.contact.scaled import on_flanks
 from gearfem.definition.setup import Gear
 from gearfem.engagement.contacts import find_contacts
 from gearfem.engagement.lead_approach import LeadApproach
@@ -201,7 +202,7 @@ def lead_table(flanks: Flanks, placement: Placement, compliance: Compliance, law
     all pairs solved at once differ by 0.4 % of the transmission error on the path and 2 % on a tip edge, by 0.003 and 0.02 in load
     shares; coupling through the body as uneven as the teeth themselves would make that at most 5 % and 0.05.
     """
-    return _lead_table(*_plain(flanks, placement, compliance), law, slices)
+    return _lead_table(*_plain(flanks, placement, compliance), on_flanks(law), slices)
 
 
 def _plain(flanks: Flanks, placement: Placement, compliance: Compliance) -> tuple[Flanks, Placement, Compliance]:

@@ -10,7 +10,7 @@ import pytest
 from gearfem.contact import EdgedLine, HertzLine, Line
 from gearfem.contact.band import edge_band
 from gearfem.contact.peak import largest_pressure
-from gearfem.contact.scaled import EvenLaw
+from gearfem.contact.scaled import EvenLaw, ScaledLaw, on_flanks
 from gearfem.definition.setup import Material
 from gearfem.foundation import InputError
 
@@ -256,3 +256,13 @@ def test_contact_evened_out_lies_between_edges_and_flanks():
     np.testing.assert_allclose(twice, EvenLaw(law=law, evenness=0.65).respond(3e5, line), rtol=1e-13)
     with pytest.raises(InputError, match=r"from -0\.5 to 1\.5"):
         EvenLaw(law=law, evenness=1.6)
+
+
+def test_far_from_edges_the_simplest_law_is_the_same():
+    force, law = np.geomspace(1.0, 3e5, 40), EvenLaw(law=ScaledLaw(law=EvenLaw(law=STEEL, evenness=0.4), scale=1.7), evenness=0.8)
+    plain, line = on_flanks(law), Line(*map(np.array, (0.029, 3e-3, 2e-3, 5e-3, 0.16e-3)))
+    assert (plain.law, plain.scale) == (STEEL, 1.7)
+    np.testing.assert_allclose(plain.respond(force, line), law.respond(force, line), rtol=1e-14)
+    # Beside one contact over an edge all are computed as such.
+    some = line._replace(edge=np.append(np.full(39, 5e-3), 0.0))
+    np.testing.assert_array_equal(STEEL.respond(force, line)[0][:-1], STEEL.respond(force, some)[0][:-1])
