@@ -17,7 +17,6 @@ from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.approach import part_of
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Measurement
-from gearfem.diagnosis.first_pitches import lines_of
 from gearfem.diagnosis.fit import AGAIN, Fit, again
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.pitch_point import turned_round
@@ -30,6 +29,8 @@ from gearfem.diagnosis.whitening import Whitening
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, Record
 
+# Places of the pitch between which a mean over pitches runs in straight lines.
+PLACES = 48
 # Part of a mean that a model may miss though nothing is missing from it: of slow records, of those of a quantity, of which waviness
 # raises the largest Kw of a turn, and of motions whose flanks hammer, which take another way for next to nothing. Sixteen healthy pairs
 # of two other simulators leave slow means within noise, up to 1.8 % of transmission errors at speed, and 1.0 to 5 % of accelerations.
@@ -257,7 +258,18 @@ def _mean(record: Measurement, noise: Noise, pair: GearPair) -> Noise:
     """Return the noise of the mean of a record; that of the record itself where it is not over the angle."""
     if record.quantity.axis != "angle":
         return noise
-    return dataclasses.replace(noise, whitener=Average(inner=noise.whitener, basis=orth(noise.whitener.apply(lines_of(record, pair)))))
+    return dataclasses.replace(noise, whitener=Average(inner=noise.whitener, basis=orth(noise.whitener.apply(_lines(record, pair)))))
+
+
+def _lines(record: Measurement, pair: GearPair) -> Array:
+    """Return what each row of a record takes of the places of the pitch between which a mean runs in straight lines, shape (n, places)."""
+    place = record.axis / pair.pinion.pitch_angle * PLACES
+    first = np.floor(place).astype(int)
+    share, rows = place - first, np.arange(len(place))
+    lines = np.zeros((len(place), PLACES))
+    lines[rows, first % PLACES] += 1.0 - share
+    lines[rows, (first + 1) % PLACES] += share
+    return lines
 
 
 def _rest(
@@ -306,7 +318,7 @@ def _floor(record: Measurement, noise: Noise, pair: GearPair, hammering: float) 
     size = float(np.mean(noise.whitener.apply(course) ** 2))
     if record.quantity.axis == "angle" and noise.covariance.size > 1:
         # Of white noise rough is less: lines between places, squared and summed, are 1 at most in any row.
-        lines = lines_of(record, pair)
+        lines = _lines(record, pair)
         white, mean = noise.whitener.apply(lines), orth(lines[record.keep]).T @ course[record.keep]
         size = max(size, float(mean @ mean) / record.keep.sum() * float(np.sum(white**2)) / len(white))
     return 1.0 + share**2 * size

@@ -73,10 +73,6 @@ class Measurement(Record):
         """Factor from SI to the unit of the file's measured column."""
         return 1.0 / self.quantity.factors[1]
 
-    def at(self, rows: NDArray[Any]) -> Measurement:
-        """Return some rows of the record, by their numbers, shape (m,)."""
-        return dataclasses.replace(self, **{name: getattr(self, name)[rows] for name in ("axis", "value", "line", "keep")})
-
     def over(self, axis: Array) -> Measurement:
         """Return a record of the same conditions over another axis, shape (n,), without values."""
         return dataclasses.replace(self, axis=axis, value=np.zeros(len(axis)), **_whole(axis))

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign, Measurement
 from gearfem.diagnosis.columns import make_columns
-from gearfem.diagnosis.first_pitches import by_all, by_first
 from gearfem.diagnosis.fit import ROUNDS, Fit, fit
 from gearfem.diagnosis.marginal import Marginal, marginal, memory_of, profile
 from gearfem.diagnosis.noise import Noise
@@ -81,10 +80,6 @@ class Problem:
         Of all whitened rows over the outer unknowns, and over those inner ones that predictions hold.
     rise : tuple of ndarray, shapes (n,)
         What waviness is expected to add to the largest Kw of a turn, in parts of Kw - 1; 0 in all other records.
-    seen : tuple of Seen
-        The records, and the rows of them that changes are read from.
-    stood_at : tuple of (ndarray of shape (n,), ndarray of shape (m,))
-        All rows of each record, and those, where the problem was prepared; empty before.
     linear, whole : Marginal
         The inner unknowns, and all of them.
     floor, counts, memory : ndarray, shape (r,)
@@ -97,7 +92,6 @@ class Problem:
     scales: Array
     held_columns: Array
     rise: tuple[Array, ...]
-    stood_at: tuple[tuple[Array, Array], ...] = ()
     linear: Marginal
     whole: Marginal
     wander: float = WANDER
@@ -121,8 +115,6 @@ class Problem:
         self.stand_ins = stand_ins(self.unknowns, campaign.setup)
         self.floor = np.array([_floor(record, noise) for record, noise in zip(records, noises, strict=True)])
         self.memory = np.ones(len(records))
-        # Pitches meet other teeth, but what changes all means changes them alike.
-        self.seen = tuple(by_first(one, campaign.setup.pair) if self.unknowns.scatter.common else by_all(one) for one in records)
         self.rise = tuple(np.zeros(len(record.axis)) for record in records)
         self.counts = np.array([float(record.keep.sum()) for record in records])
 
@@ -150,8 +142,7 @@ class Problem:
         part = copy.copy(self)
         part.records, part.noises = tuple(self.records[i] for i in places), tuple(self.noises[i] for i in places)
         part.columns = tuple(self.columns[i] for i in places)
-        part.rise, part.seen = tuple(self.rise[i] for i in places), tuple(self.seen[i] for i in places)
-        part.stood_at = tuple(self.stood_at[i] for i in places)
+        part.rise = tuple(self.rise[i] for i in places)
         part.scales, part.held_columns = (
             np.concatenate([whole[self.linear.rows[i]] for i in places]) for whole in (self.scales, self.held_columns)
         )
@@ -166,18 +157,11 @@ class Problem:
     def predict(self, effects: tuple[Effect, ...], unknown: Array) -> tuple[Array, ...]:
         """Return the records under effects and the unknowns that the model takes: scales, angle zero, index errors, its own errors.
 
-        The largest Kw of a turn is that which waviness is expected to leave, once prepared; means go from what they are there.
+        The largest Kw of a turn is that which waviness is expected to leave, once prepared.
         """
         bench, settings = self.bench(effects), self.settings(unknown)
-        found = []
-        for place, (one, rise) in enumerate(zip(self.seen, self.rise, strict=True)):
-            if self.stood_at and one.in_part:
-                whole, near = self.stood_at[place]
-                predicted = whole + one.spread(bench.predict(one.rows, settings) - near)
-            else:
-                predicted = bench.predict(one.whole, settings)
-            found.append(predicted + rise * (predicted - 1.0))
-        return tuple(found)
+        predicted = (bench.predict(record, settings) for record in self.records)
+        return tuple(part + rise * (part - 1.0) for part, rise in zip(predicted, self.rise, strict=True))
 
     def prepare(self, effects: tuple[Effect, ...], unknown: Array) -> Array:
         """Make the columns of all nuisances at a point; every fit afterwards uses them until they are made again.
@@ -188,8 +172,8 @@ class Problem:
             The unknowns, completed by zeros where there were fewer.
         """
         unknown = self._beside(effects, unknown)
-        columns, white, rise, predicted = make_columns(self.seen, self.noises, self.unknowns, self.bench(effects), unknown)
-        self.effects, self.rise, self.stood_at = effects, rise, predicted
+        columns, white, rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
+        self.effects, self.rise = effects, rise
         self._take(columns, white, self._served(effects))
         return np.concatenate([unknown, np.zeros(self.outer + columns[0].shape[1] - len(unknown))])
 
@@ -325,10 +309,8 @@ class Problem:
 
     def response(self, point: Point, others: tuple[Effect, ...]) -> Array:
         """Return what the effects of a point do beyond others of them, everything else as the point has it: whitened, shape (m,)."""
-        # A mean goes from what it is where the problem is prepared, which may be elsewhere than where the point was found.
-        with_all = self.predict(point.effects, point.stood) if any(one.in_part for one in self.seen) else point.predicted
         without = self.predict(others, point.stood)
-        return self.whiten(tuple(a - b for a, b in zip(with_all, without, strict=True)))
+        return self.whiten(tuple(a - b for a, b in zip(point.predicted, without, strict=True)))
 
     def effective(self, point: Point) -> Array:
         """Return the whitened residual with the scales put back to their priors too, so that `freed` frees it from all nuisances."""

@@ -12,7 +12,6 @@ import numpy as np
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.campaign import Measurement, make_record
 from gearfem.diagnosis.columns import errors_of
-from gearfem.diagnosis.first_pitches import by_all
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, slopes
@@ -142,7 +141,7 @@ def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBen
     known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *BUILD, *MOVING) if nuisance.name not in own))
     moved = np.array([fit.point.unknown[own[nuisance.name]] if nuisance.name in own else 0.0 for nuisance in known])
     constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
-    errors = errors_of(by_all(record), bench, fit.settings, problem.unknowns.scatter, predicted, problem.unknowns.errors)
+    errors = errors_of(record, bench, fit.settings, problem.unknowns.scatter, predicted, problem.unknowns.errors)
     scales = slopes(record, bench, fit.settings, known, moved, predicted)
     return np.concatenate([constant, scales, errors], axis=1)
 
