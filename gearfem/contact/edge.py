@@ -161,10 +161,6 @@ class EdgedLine(Record):
         """
         force = not_negative("force_per_width", force_per_width)
         loaded = np.maximum(force, SMALLEST_LINE_LOAD)
-        positive("edge_radius", line.edge_radius)
-        clear = finite("edge", line.edge) >= self.hertz.half_width(loaded, line.radius)
-        if clear.all():
-            return self.hertz.respond(force, np.broadcast_to(line.radius, clear.shape), line.depth1, line.depth2)
         effective = self._effective(loaded, line)
         approach, slope = self.hertz.respond(force, effective.radius, line.depth1, line.depth2)
         over = effective.growth != 0.5
@@ -183,6 +179,8 @@ class EdgedLine(Record):
         flank, edge_radius = positive("radius", line.radius), positive("edge_radius", line.edge_radius)
         half_width = self.hertz.half_width(force_per_width, flank)
         flank, rho, edge, half_width = np.broadcast_arrays(flank, edge_radius, finite("edge", line.edge), half_width)
+        if (edge >= half_width).all():
+            return _Effective(flank.copy(), np.full(flank.shape, 0.5), np.zeros(flank.shape))
         sharpness = flank / rho
         over = (edge < half_width) & (edge > -half_width / np.sqrt(1.0 + sharpness))
         radius = np.where(edge >= 0.0, flank, flank / (1.0 + sharpness))

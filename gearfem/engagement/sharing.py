@@ -14,7 +14,8 @@ from gearfem.foundation import Array, Record, SolveError
 
 ITERATIONS = 80
 TOLERANCE = 1e-12
-# A step of Newton's method after which the next one would be its square.
+# A step of Newton's method after which the next one would be its square: loads are then inverted. That those of all pairs agree is judged
+# by `TOLERANCE`, to which the last such step is as small.
 CLOSE = 1e-8
 
 
