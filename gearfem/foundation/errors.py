@@ -23,6 +23,10 @@ class InputError(ValueError):
         place = f"{file}: {where}" if file else where
         super().__init__(f"{place}: found {found}; allowed: {allowed}")
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str, str | None]]:
+        """Return how to make it again: errors travel between processes."""
+        return InputError, (self.where, self.found, self.allowed, self.file)
+
     def in_file(self, file: str) -> InputError:
         """Return the same error with the name of the file in front.
 

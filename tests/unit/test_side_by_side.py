@@ -12,6 +12,7 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.foundation import InputError
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
 FORKS = pytest.mark.skipif(CORES < 2 or "fork" not in multiprocessing.get_all_start_methods(), reason="works on one core here")
@@ -51,3 +52,12 @@ def test_children_end_with_what_they_work_for(tmp_path: Path, way: str) -> None:
         signal.signal(signal.SIGALRM, before)
     assert multiprocessing.active_children() == []
     assert not list(tmp_path.glob("ended_*"))
+
+
+@FORKS
+def test_an_error_of_a_child_says_what_it_said_there() -> None:
+    def work(item: int) -> int:
+        raise InputError("pinion.teeth", item, "6 or more", "pair.toml")
+
+    with pytest.raises(InputError, match=r"^pair\.toml: pinion\.teeth: found 0; allowed: 6 or more$"):
+        list(side_by_side(work, range(2)))
