@@ -33,6 +33,8 @@ AMOUNT = 0.05
 # Torques tried, in parts of the rated one, and speeds in parts of the one at which the mesh meets its resonance.
 TORQUES, SPEEDS = (0.05, 0.3, 0.6, 1.0), ((0.6, 1.4), (0.85, 1.2))
 TAKEN = 1.3
+# Standard deviations by which two explanations are told apart, and beyond which any measurement decides: the cheaper one wins then.
+TOLD, ENOUGH = 3.0, 20.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -97,9 +99,11 @@ def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], pr
 
     Notes
     -----
-    The distance of two predictions d is sqrt(d' (S + A A')^-1 d): S holds the noise, A the derivatives over the constant, the
-    nuisances, the errors of single teeth and of our own model, each times its prior deviation, and a twentieth of each explanation
-    itself, so that only what these cannot imitate counts.
+    Of several pairs of explanations the mean of their distances counts, each up to 20: where two of them can be told apart by nothing, a
+    measurement that decides between the others is worth as much as before. The distance of two predictions d is
+    sqrt(d' (S + A A')^-1 d): S holds the noise, A the derivatives over the constant, the nuisances, the errors of single teeth and of
+    our own model, each times its prior deviation, and a twentieth of each explanation itself, so that only what these cannot imitate
+    counts.
     """
     explanations = [fit.effects, *list(rivals)[:4]]
     plans = _plans(problem, fit, explanations)
@@ -107,17 +111,25 @@ def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], pr
     for number, plan in enumerate(plans):
         progress("what to measure next", number, len(plans))
         try:
-            distance = _separation(problem, fit, plan, explanations)
+            apart = _apart(problem, fit, plan, explanations)
         except (InputError, SolveError):
             continue
-        sentence = f"Measure {plan.words}: the explanations then differ by at least {distance:.1f} standard deviations."
-        found.append(Suggestion(words=plan.words, separation=distance, cost=plan.cost, sentence=sentence))
+        worth = float(np.minimum(apart, ENOUGH).mean()) / plan.cost
+        found.append((worth, Suggestion(words=plan.words, separation=float(apart.min()), cost=plan.cost, sentence=_sentence(plan, apart))))
     progress("what to measure next", len(plans), len(plans))
-    # Beyond some twenty deviations any measurement decides, and the cheaper one wins.
-    return tuple(sorted(found, key=lambda one: -min(one.separation, 20.0) / one.cost))
+    return tuple(one for _, one in sorted(found, key=lambda both: -both[0]))
 
 
-def _separation(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple[Effect, ...]]) -> float:
+def _sentence(plan: Plan, apart: Array) -> str:
+    """Return what a measurement would tell in words, from the distances of all pairs of explanations in it, shape (q,)."""
+    if apart.min() >= TOLD or len(apart) == 1:
+        return f"Measure {plan.words}: the explanations then differ by at least {apart.min():.1f} standard deviations."
+    told = np.count_nonzero(apart >= TOLD)
+    return f"Measure {plan.words}: it tells {told} of {len(apart)} pairs of explanations apart by {TOLD:g} standard deviations or more."
+
+
+def _apart(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple[Effect, ...]]) -> Array:
+    """Return the distances of all pairs of explanations in a measurement, in standard deviations, shape (q,)."""
     benches = [problem.bench(effects) for effects in explanations]
     plain = problem.bench(())
     pairs = list(itertools.combinations(range(len(benches)), 2))
@@ -132,7 +144,7 @@ def _separation(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple
         for place, (i, j) in enumerate(pairs):
             difference = (predictions[i] - predictions[j]) / noise
             squares[place] += float(imitated.measure(difference[:, None], difference)[1][0])
-    return math.sqrt(max(float(squares.min()), 0.0))
+    return np.sqrt(np.maximum(squares, 0.0))
 
 
 def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBench, predicted: Array) -> Array:
