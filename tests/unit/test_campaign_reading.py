@@ -166,13 +166,13 @@ def missing_marks(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.
         (broken(lambda x, y: (np.degrees(x), y)), ("column pinion_angle_rad", "degrees")),
         (broken(wheel_angle), ("column pinion_angle_rad", "angles of the wheel")),
         (broken(many_spikes), (" spikes (row", "isolated")),
-        (te(1, 60.0).replace("\n0.03,", "\n0.03,nan,", 1), ("row 1 (line 3)", "3 cells")),
+        (te(1, 60.0).replace("\n0.03,", "\n0.03,nan,", 1), ("row 1 (line 3)", "3 columns")),
         (te(1, 60.0).replace("transmission_error_um", "transmission_error_mm"), ("header (line 2)", TE)),
         (TE + "\n0.1,\n", ("row 1 (line 2), column transmission_error_um", "an empty cell")),
         (TE + "\n0.1,nan\n", ("row 1 (line 2), column transmission_error_um", "nan")),
         (TE + "\n0.1,1_0\n", ("1_0", "finite number")),
-        (TE + "\n", ("no row of numbers",)),
-        ("", ("header", "nothing")),
+        (TE + "\n", ("rows", "0 of them", "from 1")),
+        ("", ("header", "no line")),
     ],
 )
 def test_faults_are_refused_with_file_and_row(campaign: Callable[..., Campaign], text: str, words: tuple[str, ...]) -> None:

@@ -13,7 +13,7 @@ HEADERS = (("roll_length_mm", "deviation_um"), ("x_mm", "y_mm"))
 
 def test_numbers_come_back_without_comments_and_empty_lines(tmp_path):
     file = tmp_path / "flank.csv"
-    file.write_text("\ufeff# probe 3\n\n x_mm , y_mm\n1,2\n# a remark\n\n3e0, -4\n", encoding="utf-8")
+    file.write_text("\ufeff# probe\f3\u2028\n\n x_mm , y_mm\n1,2\n# a remark\n\n3e0, -4\n", encoding="utf-8")
     found = read_columns(file, HEADERS)
     assert found.names == ("x_mm", "y_mm")
     np.testing.assert_array_equal(found.values, [[1.0, 2.0], [3.0, -4.0]])
@@ -30,6 +30,10 @@ FAULTS = {
     "text": ("x_mm,y_mm\n1,2\n3,4 um\n", "row 2 (line 3), column y_mm", "finite"),
     "nothing": ("x_mm,y_mm\n1,\n", "row 1 (line 2), column y_mm", "finite"),
     "decimal comma": ("x_mm,y_mm\n1,5,2,5\n", "row 1 (line 2)", "2 columns"),
+    "a digit of another script": ("x_mm,y_mm\n1,\uff12\n", "row 1 (line 2), column y_mm", "finite"),
+    "no measurement": ("x_mm,y_mm\n1,1e200\n", "row 1 (line 2), column y_mm", "below 1e+15"),
+    "an open quote": ('x_mm,y_mm\n1,"2\n', "row 1 (line 2)", "quotes in pairs"),
+    "an endless cell": ("x_mm,y_mm\n1," + 200_000 * "2" + "\n", "row 1 (line 2)", "fields parted by commas"),
     "no rows": ("x_mm,y_mm\n", "rows", "from 1"),
 }
 
