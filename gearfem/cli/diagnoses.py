@@ -8,7 +8,7 @@ from pathlib import Path
 from gearfem.cli.steps import Done
 from gearfem.diagnosis.campaign import read_campaign
 from gearfem.diagnosis.diagnose import choose, diagnose
-from gearfem.diagnosis.write import write_diagnosis
+from gearfem.diagnosis.write import refuse_to_replace, write_diagnosis
 from gearfem.effects.catalogue import catalogue, effects_from
 from gearfem.foundation.progress import Progress
 from gearfem.report import write_diagnosis_report
@@ -42,7 +42,9 @@ def run_diagnosis(
         If the campaign, a name or a file cannot be used.
     """
     kinds = choose(catalogue([kind for file in effect_files for kind in effects_from(file)]), only, exclude)
-    found = diagnose(read_campaign(campaign), kinds, progress)
+    read = read_campaign(campaign)
+    refuse_to_replace(read, out)
+    found = diagnose(read, kinds, progress)
     pictures = write_diagnosis_report(found, out)
     # The verdict comes last: where it is, everything is.
     files = write_diagnosis(found, out)

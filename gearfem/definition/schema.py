@@ -130,7 +130,7 @@ class RecordOffsetTable(Table):
     """[[calibration.record]]: the constant of one record."""
 
     file: Title
-    offset_um: Annotated[float, Field(ge=-1e6, le=1e6)]
+    offset_um: Annotated[float, Field(ge=-1e15, le=1e15)]
 
 
 class CalibrationTable(Table):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,14 +12,20 @@ from numpy.typing import NDArray
 
 from gearfem.definition.model_file import read_tables
 from gearfem.definition.setup import Gear, GearPair, Member, Setup
-from gearfem.diagnosis.faults import Fault, find_faults, refuse_duplicates, refuse_odd_units
-from gearfem.diagnosis.quantities import QUANTITIES, Quantity
+from gearfem.diagnosis.faults import Fault, find_faults
+from gearfem.diagnosis.periods import hunting_period, mean_cycle
+from gearfem.diagnosis.quantities import QUANTITIES, TRANSMISSION_ERROR, Quantity
 from gearfem.diagnosis.roles import Role, share_roles
 from gearfem.diagnosis.schema import RecordTable, validate_campaign
 from gearfem.diagnosis.series import read_series
+from gearfem.diagnosis.siblings import Taken, refuse_duplicates, refuse_odd_units
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import RPM
 from gearfem.model import load_model
+
+# Rows from which on records over several hunting cycles are taken as their mean; and rows times teeth at most, each of which takes some
+# 400 bytes of memory: 12 GB.
+LONG, ROWS = 20_000, 30_000_000
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -176,11 +183,15 @@ def read_campaign(path: str | Path) -> Campaign:
         records.append(record)
         remarks += found
     try:
-        refuse_duplicates([(record.file, record.value, record.axis) for record in records])
-        slow = [record for record in records if record.quantity.name == "static_transmission_error"]
-        refuse_odd_units([(str(path.parent / r.file), r.quantity.columns[1], r.value[r.keep]) for r in slow])
+        taken = [Taken(r.file, (r.quantity.columns, r.gear, r.tooth), r.axis[r.keep], r.value[r.keep], r.noise_std) for r in records]
+        refuse_duplicates(taken)
+        slow = [one for one, record in zip(taken, records, strict=True) if record.quantity.name == "static_transmission_error"]
+        refuse_odd_units(slow, TRANSMISSION_ERROR[1], path.parent)
     except InputError as error:
         raise error.in_file(str(path)) from None
+    rows, most = sum(len(record.axis) for record in records), ROWS // (setup.pair.pinion.teeth + setup.pair.wheel.teeth)
+    if rows > most:
+        raise InputError("record", f"{rows} rows in all", f"up to {most} for this pair: keep every second row, or fewer turns", str(path))
     roles, decisions = share_roles([entry.role for entry in table.record], [(r.quantity, r.pinion_torque, r.pinion_speed) for r in records])
     for record, decision in zip(records, decisions, strict=True):
         if decision:
@@ -227,7 +238,20 @@ def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Meas
         noise_std=None if entry.noise_std is None else entry.noise_std * quantity.factors[1],
         role_given=entry.role is not None,
     )
+    if quantity.axis == "angle" and len(axis) > LONG and np.ptp(axis) > 2.0 * hunting_period(pair):
+        record, cycles = _mean_of(record, pair)
+        said = f"the mean of {cycles} hunting cycles is taken, {len(record.axis)} of {len(axis)} rows"
+        faults.append(Fault(record=entry.file, kind="mean", rows=(), sentence=said))
     return record, faults
+
+
+def _mean_of(record: Measurement, pair: GearPair) -> tuple[Measurement, int]:
+    """Return a record over several hunting cycles as their mean, whose noise is less, and how many they are."""
+    axis, line = record.axis[record.keep], record.line[record.keep]
+    value, cycles = mean_cycle(axis, record.value[record.keep], hunting_period(pair))
+    rows, noise = len(value), record.noise_std and record.noise_std / math.sqrt(cycles)
+    whole = {"axis": axis[:rows], "line": line[:rows], "keep": np.ones(rows, bool)}
+    return dataclasses.replace(record, value=value, noise_std=noise, **whole), cycles
 
 
 def _gear(pair: GearPair, member: Literal["pinion", "wheel"] | None) -> Gear:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from gearfem.diagnosis.bench import Bench, Oscillator, neutral
 from gearfem.diagnosis.campaign import Campaign, Measurement
-from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.noise import measure_noise, roughness
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.zero import HARMONICS, mesh_lines
 from gearfem.foundation import Array, InputError
@@ -22,8 +23,12 @@ FAR = (1.85, 2.5)
 FAR_STIFFNESS = (0.6, 0.6)
 # What a wrong unit of speed multiplies it by: rad/s, Hz or degrees per second taken for rpm and back, a decade, the other shaft.
 SPEEDS = {"rad/s": 30.0 / math.pi, "Hz": 60.0, "a tenth": 10.0, "ten times": 0.1, "rpm for rad/s": math.pi / 30.0}
-# Effects move lines by factors up to e or so; a speed is refused only where they fit no better than by e^1.2, and another one within e^0.5.
-MISFIT, FIT = 1.2, 0.5
+# Effects move lines by factors up to e or so; a speed is refused only where they fit no better than by e^1.2, and another one within e^0.5,
+# or a quarter of the logarithm: of 177 right speeds, some far from any fit, none is refused.
+MISFIT, FIT, FITS = 1.2, 0.5, 0.25
+# Decades by which noise is too small or too large for the stated one, where the mesh lines are off by as many parts of a decade as well: of
+# 363 records that say their noise, coloured or not, it is 0.26 to 2.4 times that.
+NOISE, LINES = (0.8, 0.7), 0.5
 
 
 def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
@@ -32,7 +37,7 @@ def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
     Parameters
     ----------
     campaign : Campaign
-        Only records of role "fit" are looked at.
+        Records over the angle are looked at, held-out ones too: they must be in the units that they say, whatever they hold.
     bench : Bench
         The model.
 
@@ -42,27 +47,39 @@ def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
         Naming the record, its column or key, and the power of ten or the speed that would fit.
     """
     for number, record in enumerate(campaign.records, 1):
-        if record.role != "fit" or record.quantity.axis != "angle":
+        if record.quantity.axis != "angle":
             continue
-        # A wrong speed changes the size of accelerations by its square: it is asked about first.
-        if record.quantity.moving:
-            _check_speed(record, bench, f"record[{number}] ({record.file}).pinion_speed_rpm", campaign.path)
-        _check_size(record, bench)
+        try:
+            # A wrong speed changes the size of accelerations by its square: it is asked about first.
+            if record.quantity.moving:
+                _check_speed(record, bench)
+            _check_size(record, bench, Path(campaign.path).parent)
+        except InputError as error:
+            # Keys that the model has too are those of the record here.
+            key = error.where.removeprefix("operation.")
+            where = f"record[{number}] ({record.file}).{key}"
+            raise error if error.file else InputError(where, error.found, error.allowed, campaign.path) from None
 
 
-def _check_size(record: Measurement, bench: Bench) -> None:
+def _check_size(record: Measurement, bench: Bench, folder: Path) -> None:
     predicted = bench.predict(record, neutral(bench.pair))
     if record.quantity.name == "mesh_stiffness":
         ratio = float(np.median(np.abs(record.value[record.keep]))) / float(np.median(predicted))
     else:
         ratio = _size(record, record.value, bench) / _size(record, predicted, bench)
     decades = math.log10(max(ratio, 1e-12))
+    column, allowed, file = record.quantity.columns[1], f"values in {record.quantity.unit}", str(folder / record.file)
     below, above = FAR_STIFFNESS if record.quantity.name == "mesh_stiffness" else FAR
     if not -below < decades < above:
-        column = record.quantity.columns[1]
         power = round(decades) or int(math.copysign(1, decades))
         found = f"mesh lines of {ratio:.3g} times those of the model, as if the unit were wrong by 10^{power}"
-        raise InputError(f"column {column}", found, f"values in {record.quantity.unit}, or a model of this pair", record.file)
+        raise InputError(f"column {column}", found, f"{allowed}, or a model of this pair", file)
+    rough = roughness(record)
+    if record.noise_std and rough:
+        off = math.log10(rough / record.noise_std)
+        if not -NOISE[0] < off < NOISE[1] and math.copysign(decades, off * decades) > LINES:
+            found = f"noise of {10.0**off:.3g} times noise_std and mesh lines of {ratio:.3g} times those of the model"
+            raise InputError(f"column {column}", found, f"{allowed}, as noise_std", file)
 
 
 def _size(record: Measurement, value: Array, bench: Bench) -> float:
@@ -73,7 +90,7 @@ def _lines(record: Measurement, value: Array, bench: Bench) -> Array:
     return np.abs(mesh_lines(record.axis[record.keep], value[record.keep], bench.pair.pinion.pitch_angle))
 
 
-def _check_speed(record: Measurement, bench: Bench, where: str, path: str) -> None:
+def _check_speed(record: Measurement, bench: Bench) -> None:
     """Refuse a speed at which the lines do not fit, where another unit of it fits well.
 
     The lines of the slow transmission error pass the oscillator of the mean stiffness: within a factor of two of the motion itself, which
@@ -82,10 +99,10 @@ def _check_speed(record: Measurement, bench: Bench, where: str, path: str) -> No
     misfits = speed_misfits(record, bench)
     own = misfits.pop("rpm")
     word = min(misfits, key=lambda key: misfits[key])
-    if own > MISFIT and misfits[word] < FIT:
+    if own > MISFIT and misfits[word] < max(FIT, FITS * own):
         rpm = record.pinion_speed / RPM
         found = f"{rpm:g}, at which no mesh line fits; all do at {rpm * SPEEDS[word]:.4g} rpm (given in {word}?)"
-        raise InputError(where, found, "the speed at which the record was taken, in rpm", path)
+        raise InputError("pinion_speed_rpm", found, "the speed at which the record was taken, in rpm")
 
 
 def speed_misfits(record: Measurement, bench: Bench) -> dict[str, float]:

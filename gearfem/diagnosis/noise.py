@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 from scipy.stats import t as student
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.periods import hunting_period, shifted
 from gearfem.diagnosis.whitening import Whitening, make_whitener
 from gearfem.foundation import Array, Record
 
@@ -25,9 +25,12 @@ BLOCK = 24
 # Parts of a pitch over which all pitches count as alike, and pitches from which on their mean is theirs.
 BINS, PITCHES = 24, 6
 TRIALS = 16
+# Rows from which on third differences tell noise.
+ROUGH = 24
 MAD = 1.4826
-# What is assumed where nothing can be measured: Kw is read to 1 % at best, indicators to 1 um.
+# What is assumed where nothing can be measured: Kw is read to 1 % at best, indicators to 1 um, all else to this part of its deviation.
 ASSUMED = {"dynamic_factor": 0.01, "radial_runout": 1e-6, "pitch_deviation": 1e-6, "flank_profile": 1e-6}
+READ = 0.02
 WHERE = {
     "repeats": "what does not repeat",
     "remainder": "what the fitted model leaves, since the record covers too few turns to repeat",
@@ -119,7 +122,7 @@ def measure_noise(record: Measurement, pair: GearPair, explained: Array | None =
     elif explained is not None and record.noise_std is None and _has_pitches(record, pair):
         covariance, freedom = _covariance(_unlike(record, pair), 1)
         basis = "remainder"
-    elif record.quantity.name not in NOT_ROUGH and record.keep.sum() >= 24:
+    elif record.quantity.name not in NOT_ROUGH and record.keep.sum() >= ROUGH:
         covariance, freedom = _roughness(record.value[record.keep])
         basis = "roughness"
     measured = math.sqrt(float(covariance[0]))
@@ -142,14 +145,22 @@ def _reconciled(covariance: Array, basis: Basis, freedom: float, record: Measure
     """
     measured, stated = math.sqrt(float(covariance[0])), record.noise_std
     if measured == 0.0:
-        return np.array([(stated or ASSUMED[record.quantity.name]) ** 2]), "stated" if stated else "assumed"
+        return np.array([(stated or _assumed(record)) ** 2]), "stated" if stated else "assumed"
     if stated is None:
         return covariance, basis
     if measured > (1.0 + 4.0 / math.sqrt(2.0 * freedom)) * stated:
-        return _first_order(stated, math.sqrt(float(_roughness(record.value[record.keep])[0][0]))), "stated"
+        return _first_order(stated, roughness(record)), "stated"
     if basis == "roughness" and fitted and measured < stated:
         return _first_order(stated, measured), basis
     return covariance * max(1.0, stated / measured) ** 2, basis
+
+
+def _assumed(record: Measurement) -> float:
+    """Return the deviation of noise that nothing shows [SI]: digits that are lost, or what instruments of its kind do."""
+    value = record.value[record.keep]
+    steps = np.diff(np.unique(value))
+    lost = float(steps.min(initial=np.ptp(value))) / math.sqrt(12.0)
+    return ASSUMED.get(record.quantity.name) or max(lost, READ * float(np.std(value)))
 
 
 def _first_order(std: float, rough: float) -> Array:
@@ -166,7 +177,7 @@ def _words(basis: Basis, measured: float, freedom: float, record: Measurement) -
     unit, scale = record.quantity.unit, record.to_file
     stated = record.noise_std
     if basis == "assumed":
-        size = (stated or ASSUMED[record.quantity.name]) * scale
+        size = (stated or _assumed(record)) * scale
         return f"noise of {size:.3g} {unit} {'as stated' if stated else 'assumed: nothing in the record shows it'}".rstrip()
     where = WHERE[basis]
     text = f"noise of {measured * scale:.3g} {unit} from {where} ({freedom:.0f} degrees of freedom)"
@@ -186,7 +197,7 @@ def _words(basis: Basis, measured: float, freedom: float, record: Measurement) -
 def _rest(record: Measurement, pair: GearPair) -> tuple[Array, int] | None:
     """Return differences that hold noise alone, and how many samples of it each holds; None where turns are too few."""
     turn = 2.0 * math.pi
-    hunting = turn * pair.wheel.teeth / math.gcd(pair.pinion.teeth, pair.wheel.teeth)
+    hunting = hunting_period(pair)
     periods: tuple[float, ...] = (hunting,) if np.ptp(record.axis) > 1.2 * hunting else (turn, turn * pair.ratio)
     if record.quantity.axis == "tooth":
         periods = (float((pair.wheel if record.gear == "wheel" else pair.pinion).teeth),)
@@ -194,8 +205,8 @@ def _rest(record: Measurement, pair: GearPair) -> tuple[Array, int] | None:
         return None
     axis, value = record.axis[record.keep], record.value[record.keep]
     for period in periods:
-        shifted, valid = _shifted(axis, value, period)
-        axis, value = axis[valid], shifted - value[valid]
+        later, valid = shifted(axis, value, period)
+        axis, value = axis[valid], later - value[valid]
     return (value, 2 ** len(periods)) if len(value) >= FEWEST else None
 
 
@@ -212,21 +223,6 @@ def _unlike(record: Measurement, pair: GearPair) -> Array:
     count = np.bincount(place, minlength=BINS)
     mean = np.bincount(place, value, BINS) / np.maximum(count, 1)
     return np.asarray((value - mean[place]) * math.sqrt(value.size / (value.size - np.count_nonzero(count))))
-
-
-def _shifted(axis: Array, value: Array, period: float) -> tuple[Array, NDArray[Any]]:
-    """Return the samples nearest to one period later, moved there along their slope, and the rows that have one."""
-    valid = np.flatnonzero(axis + period <= axis[-1]) if len(axis) else np.empty(0, int)
-    if not len(valid):
-        return np.empty(0), valid
-    place = axis[valid] + period
-    nearest = np.clip(np.searchsorted(axis, place), 1, len(axis) - 1)
-    nearest -= place - axis[nearest - 1] < axis[nearest] - place
-    # The slope over five samples adds a hundredth to the variance; a line between neighbours would take up to half of it away.
-    slope = np.zeros(len(value))
-    if len(value) > 5:
-        slope[2:-2] = (2.0 * (value[4:] - value[:-4]) + value[3:-1] - value[1:-3]) / (2.5 * (axis[4:] - axis[:-4]))
-    return value[nearest] + slope[nearest] * (place - axis[nearest]), valid
 
 
 def _covariance(difference: Array, copies: int) -> tuple[Array, float]:
@@ -280,6 +276,11 @@ def _possible(covariance: Array) -> bool:
     order = len(covariance)
     matrix = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
     return bool(np.linalg.eigvalsh(matrix)[0] > 1e-3 * covariance[0])
+
+
+def roughness(record: Measurement) -> float:
+    """Return the standard deviation of white noise that is as rough as a record [SI]; 0 where that cannot be told."""
+    return math.sqrt(float(_roughness(record.value[record.keep])[0][0])) if record.keep.sum() >= ROUGH else 0.0
 
 
 def _roughness(value: Array) -> tuple[Array, float]:

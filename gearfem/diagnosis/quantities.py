@@ -14,6 +14,8 @@ Axis = Literal["angle", "speed", "roll", "tooth"]
 # response, and teeth that act on each other by it; of a mesh stiffness, which jumps where pairs hand over, one row in fifty or so that lies
 # on the wrong side of a jump; of the largest Kw of a turn, with its expected rise by waviness, a tenth to a quarter, more under light load.
 SLOW, MOVING, JUMPING, LARGEST = 0.04, 0.15, 0.30, 0.25
+# Speeds of records taken at speed [rpm]; slower ones are slow records: the gears would swing a million times to the turn.
+SLOWEST, FASTEST = 1.0, 1e6
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

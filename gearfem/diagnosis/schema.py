@@ -10,11 +10,10 @@ from pydantic import BaseModel, Field, ValidationError
 
 from gearfem.definition.schema import Table, Title
 from gearfem.definition.validate import shown
-from gearfem.diagnosis.quantities import QUANTITIES, Quantity
+from gearfem.diagnosis.quantities import FASTEST, QUANTITIES, SLOWEST, Quantity
 from gearfem.foundation import InputError
 
-Torque = Annotated[float, Field(ge=0.0, lt=1e9)]
-Speed = Annotated[float, Field(ge=0.0, lt=1e9)]
+Value = Annotated[float, Field(gt=-1e9, lt=1e9)]
 Deviation = Annotated[float, Field(gt=0.0, lt=1e15)]
 Number = Annotated[int, Field(ge=0, le=1000)]
 
@@ -23,10 +22,10 @@ ALLOWED = {
     "model": "the path of a model file (*.toml), relative to the campaign file",
     "angle_zero": '"unknown" or "pitch_point"',
     "record": "tables [[record]]",
-    "file": "the path of a CSV file, relative to the campaign file",
+    "file": "the path of a CSV file, relative to the campaign file, in up to 200 characters",
     "quantity": " or ".join(f'"{name}"' for name in QUANTITIES),
-    "pinion_torque_Nm": "a number above 0 Nm",
-    "pinion_speed_rpm": "a number from 0 rpm: above 0 for a record taken at speed",
+    "pinion_torque_Nm": "a number above 0 Nm, below 1e9 Nm",
+    "pinion_speed_rpm": f"0 for a slow record, from {SLOWEST:g} to {FASTEST:g} rpm for one taken at speed",
     "noise_std": "a number above 0 in the unit of the measured column",
     "role": '"fit" or "holdout"',
     "gear": '"pinion" or "wheel"',
@@ -40,8 +39,8 @@ class RecordTable(Table):
 
     file: Title
     quantity: str
-    pinion_torque_Nm: Torque | None = None
-    pinion_speed_rpm: Speed | None = None
+    pinion_torque_Nm: Value | None = None
+    pinion_speed_rpm: Value | None = None
     noise_std: Deviation | None = None
     role: Literal["fit", "holdout"] | None = None
     gear: Literal["pinion", "wheel"] | None = None
@@ -110,10 +109,11 @@ def _check_record(where: str, record: RecordTable) -> None:
             raise InputError(f"{where}.{key}", "nothing", f"{ALLOWED[key]}; {quantity.name} needs it")
         if value is not None and not welcome:
             raise InputError(f"{where}.{key}", shown(value), f"nothing: {quantity.name} has no such key")
-    if not quantity.of_gear and not record.pinion_torque_Nm:
+    torque, speed = record.pinion_torque_Nm or 0.0, record.pinion_speed_rpm or 0.0
+    if not quantity.of_gear and torque <= 0.0:
         raise InputError(f"{where}.pinion_torque_Nm", shown(record.pinion_torque_Nm), ALLOWED["pinion_torque_Nm"])
-    if quantity.moving and quantity.axis == "angle" and not record.pinion_speed_rpm:
-        raise InputError(f"{where}.pinion_speed_rpm", shown(record.pinion_speed_rpm), "a number above 0 rpm: the record was taken at speed")
+    if quantity.axis == "angle" and (not SLOWEST <= speed <= FASTEST if quantity.moving else speed < 0.0):
+        raise InputError(f"{where}.pinion_speed_rpm", shown(record.pinion_speed_rpm), ALLOWED["pinion_speed_rpm"])
 
 
 def _rules(quantity: Quantity) -> tuple[tuple[str, bool, bool], ...]:

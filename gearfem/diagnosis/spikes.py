@@ -35,7 +35,8 @@ def find_spikes(axis: Array, value: Array, periods: Sequence[float]) -> NDArray[
     -----
     A sample is a spike if it overshoots both neighbours by ten usual overshoots of the record and of its surroundings, by twice
     the largest around it, and if no event half its size stands a period away. A step, however high, lies between its
-    neighbours; a narrow event of a tooth is several samples wide or comes back with the tooth.
+    neighbours; a narrow event of a tooth is several samples wide or comes back with the tooth. The first and the last sample, which
+    have one neighbour, are spikes if they lie outside of all others by more than the range of these: no step of the record is as high.
     """
     if len(value) < 2 * WINDOW:
         return np.empty(0, int)
@@ -45,7 +46,10 @@ def find_spikes(axis: Array, value: Array, periods: Sequence[float]) -> NDArray[
     whole = MAD * usual + RESOLUTION * float(np.ptp(np.sort(value)[2:-2]))
     high = size > OVERSHOOT * whole
     found = [int(row) for row in np.flatnonzero(high) if _isolated(int(row), over, value, high)]
-    return np.array([row for row in found if not _returns(row, over, axis, periods)], int)
+    inner = [row for row in found if not _returns(row, over, axis, periods)]
+    least, most = np.sort(value)[[2, -3]]
+    ends = [row for row in (0, len(value) - 1) if max(least - value[row], value[row] - most) > most - least]
+    return np.array(sorted({*inner, *ends}), int)
 
 
 def _overshoot(value: Array) -> Array:

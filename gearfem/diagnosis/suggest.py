@@ -15,6 +15,7 @@ from gearfem.diagnosis.columns import errors_of
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, slopes
+from gearfem.diagnosis.periods import hunting_period
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.effects.effect import MEMBERS, Effect
@@ -175,7 +176,7 @@ def _plans(problem: Problem, fit: Fit, explanations: list[tuple[Effect, ...]]) -
         if not any(1.0 / TAKEN < torque / other < TAKEN for other in taken):
             words = f"the slow transmission error at {torque:.3g} N m ({100.0 * share:.0f} % of the rated torque)"
             plans.append(Plan(words=words, records=(_record("static_transmission_error", angle, std, torque=torque),), cost=1.0))
-    hunting = pair.wheel.teeth // math.gcd(pair.pinion.teeth, pair.wheel.teeth)
+    hunting = round(hunting_period(pair) / (2.0 * math.pi))
     longest = max((float(np.ptp(record.axis)) for record in records if record.quantity.axis == "angle"), default=0.0)
     if longest < 0.9 * hunting * 2.0 * math.pi:
         whole = np.arange(hunting * pair.pinion.teeth * SAMPLES // 2) / (SAMPLES // 2) * pair.pinion.pitch_angle

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.largest import expected
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.diagnosis.verdict import Rival
 from gearfem.effects.effect import Effect
+from gearfem.foundation import InputError
 from gearfem.foundation.files import write_json
 from gearfem.foundation.units import UM, factor
 from gearfem.variants import VARIANTS
@@ -39,10 +41,28 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> list[Path]:
     Returns
     -------
     list of Path
+
+    Raises
+    ------
+    InputError
+        If it would replace the campaign's own model.
     """
+    refuse_to_replace(diagnosis.campaign, out)
     model = write_updated(diagnosis.campaign, diagnosis.naming.fit, diagnosis.proof, Path(out) / MODEL)
     write_json(Path(out) / RESULT, as_json(diagnosis))
     return [Path(out) / RESULT, model]
+
+
+def refuse_to_replace(campaign: Campaign, out: Path) -> None:
+    """Refuse a folder of results in which the model that was found would take the place of the campaign's own.
+
+    Raises
+    ------
+    InputError
+        Naming both.
+    """
+    if (out / MODEL).resolve() == Path(campaign.model).resolve():
+        raise InputError("--out", f"the folder of {campaign.model}, the campaign's model", f"another folder: {MODEL} would replace it")
 
 
 def as_json(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -20,7 +20,7 @@ WORDS = {
     "approach": "before the pitch point, one pair carrying",
     "recess": "behind the pitch point, one pair carrying",
     "pair_change": "where pairs enter or leave",
-    "all": "all over the mesh cycle",
+    "all": "all over the record",
 }
 # Teeth that bend into contact early, and transitions under load, reach this far from the theoretical change, in pitches.
 CHANGE = 0.06

@@ -17,6 +17,7 @@ from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.localise import localise
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.roles import Role
 from gearfem.diagnosis.smooth import fit_smooth
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, respond, tooth_columns
@@ -162,7 +163,7 @@ def test_chi_square_is_that_of_noise(healthy: Comparison) -> None:
 def test_hold_out_records_are_not_looked_at(healthy: Comparison) -> None:
     assert [record.measurement.file for record in healthy.records] == ["te_10.csv", "te_60.csv", "te_150.csv"]
     blind = campaign(1)
-    spoilt = dataclasses.replace(blind.records[3], value=1e3 * blind.records[3].value)
+    spoilt = dataclasses.replace(blind.records[3], value=2.0 * blind.records[3].value)
     again = compare(dataclasses.replace(blind, records=(*blind.records[:3], spoilt)), SCATTER, lambda _: SPRINGS)
     assert again.chi_square == healthy.chi_square
 
@@ -277,6 +278,17 @@ def test_a_speed_that_no_mesh_line_fits_is_refused() -> None:
     wrong = dataclasses.replace(right, records=(shaken(60.0, 60.0 * RPM),))
     with pytest.raises(InputError, match=r"pinion_speed_rpm.*given in rad/s"):
         refuse_magnitudes(wrong, SPRINGS)
+
+
+@pytest.mark.parametrize("role", ["fit", "holdout"])
+@pytest.mark.parametrize("factor", [0.1, 10.0, 1000.0])
+def test_values_and_noise_in_another_unit_are_refused(factor: float, role: Role) -> None:
+    whole = campaign(1)
+    last = whole.records[3]
+    refuse_magnitudes(whole, SPRINGS)
+    wrong = dataclasses.replace(last, value=factor * last.value, role=role)
+    with pytest.raises(InputError, match=r"te_100.csv: column transmission_error_um.*(noise_std|wrong by 10)"):
+        refuse_magnitudes(dataclasses.replace(whole, records=(*whole.records[:3], wrong)), SPRINGS)
 
 
 def test_the_smooth_correction_stays_as_large_as_the_gap_over_a_part_of_a_turn() -> None:

@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gearfem.cli.diagnoses import run_diagnosis
 from gearfem.diagnosis import Campaign, read_campaign
 from gearfem.foundation import InputError
+from gearfem.foundation.progress import quiet
 
 MODEL = """
 [pair]
@@ -127,6 +129,28 @@ def test_steps_and_events_that_return_are_no_spikes(campaign: Callable[..., Camp
     assert read.records[0].keep.all()
 
 
+def test_a_long_record_is_the_mean_of_its_hunting_cycles(folder: Path, campaign: Callable[..., Campaign]) -> None:
+    (folder / "model.toml").write_text(MODEL.replace("teeth = 41", "teeth = 46"))
+    # The same teeth meet every second turn; five cycles and a bit.
+    angle = (np.arange(24000) + np.random.default_rng(4).uniform(-0.3, 0.3, 24000)) * 20.7 * np.pi / 24000
+    noise = np.random.default_rng(5).normal(0.0, 0.5, len(angle))
+    signal = 8.0 * np.sin(0.5 * angle) + 3.0 * np.cos(23.0 * angle)
+    signal[5000] += 60.0
+    read = campaign(static("a", 60.0, "noise_std = 0.5"), a=table(angle, signal + noise))
+    (record,) = read.records
+    assert any("mean of 5 hunting cycles" in remark.sentence for remark in read.remarks)
+    assert np.ptp(record.axis) < 4.0 * np.pi
+    assert record.noise_std == pytest.approx(0.5e-6 / np.sqrt(5.0), rel=1e-9)
+    rest = record.value * 1e6 - 8.0 * np.sin(0.5 * record.axis) - 3.0 * np.cos(23.0 * record.axis)
+    assert np.std(rest) == pytest.approx(0.5 / np.sqrt(5.0), rel=0.1)
+
+
+def test_more_rows_than_memory_holds_are_refused(campaign: Callable[..., Campaign], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gearfem.diagnosis.campaign.ROWS", 64 * 1800)
+    with pytest.raises(InputError, match="1801 rows in all; allowed: up to 1800"):
+        campaign(static("a", 60.0), a=te(1, 60.0))
+
+
 def test_single_missing_row_is_listed(campaign: Callable[..., Campaign]) -> None:
     keep = np.delete(np.arange(len(ANGLE)), 500)
     read = campaign(static("a", 60.0), a=table(ANGLE[keep], curve(1, ANGLE, 60.0)[keep]))
@@ -152,6 +176,16 @@ def wheel_angle(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.nd
     return angle * 23.0 / 41.0, 10.0 * (np.sin(46.0 * angle / 2.0) > 0.3) + 0.01 * value
 
 
+def every_tenth_missing(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    keep = np.arange(len(angle)) % 40 < 24
+    return angle[keep], value[keep]
+
+
+def few(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    value[[7, 21]] = -9999.0
+    return angle[:40], value[:40]
+
+
 def missing_marks(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     value[500:504] = -9999.0
     return angle, value
@@ -161,6 +195,9 @@ def missing_marks(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.
     ("text", "words"),
     [
         (broken(missing_marks), ("row 501 (line 503), column transmission_error_um", "-9999 (4 such rows", "near those of the other rows")),
+        (broken(few), ("row 8 (line 10)", "-9999 (2 such rows")),
+        (broken(every_tenth_missing), ("row 25", "a gap of")),
+        (broken(lambda x, y: (x, 0.0 * y + 3.0)), ("column transmission_error_um", "3 in every row")),
         (broken(swapped), ("row 902 (line 904), column pinion_angle_rad", "above that of the row before")),
         (broken(lambda x, y: (np.delete(x, slice(400, 440)), np.delete(y, slice(400, 440)))), ("row 401", "a gap of")),
         (broken(lambda x, y: (np.degrees(x), y)), ("column pinion_angle_rad", "degrees")),
@@ -185,6 +222,53 @@ def test_faults_are_refused_with_file_and_row(campaign: Callable[..., Campaign],
         assert word in line
 
 
+def test_a_first_row_far_outside_is_a_spike_and_a_step_there_is_none(campaign: Callable[..., Campaign]) -> None:
+    value = curve(1, ANGLE, 600.0)
+    value[0] += 400.0
+    assert np.flatnonzero(~campaign(static("a", 600.0), a=table(ANGLE, value)).records[0].keep).tolist() == [0]
+    value[0] -= 380.0
+    assert campaign(static("a", 600.0), a=table(ANGLE, value)).records[0].keep.all()
+
+
+CHANGES: dict[str, Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
+    "rows left out": lambda x, y: (x[7:-5], y[7:-5]),
+    "every second row": lambda x, y: (x[::2], y[::2]),
+    "half of it": lambda x, y: (x[:900], y[:900]),
+    "one row changed": lambda x, y: (x, np.where(np.arange(len(y)) == 9, y + 0.5, y)),
+    "rounded": lambda x, y: (x, np.round(y, 1)),
+    "angles rounded": lambda x, y: (np.round(x, 4), y),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_changed_copies_are_refused(campaign: Callable[..., Campaign], change: str) -> None:
+    value, more = curve(1, ANGLE, 60.0), "noise_std = 0.2"
+    with pytest.raises(InputError, match=r"record\[2\] \(b.csv\).*the same data as record\[1\]"):
+        campaign(static("a", 60.0, more), static("b", 90.0, more), a=table(ANGLE, value), b=table(*CHANGES[change](ANGLE, value)))
+
+
+def test_repeats_and_like_forms_are_no_copies(campaign: Callable[..., Campaign]) -> None:
+    """A measurement taken twice, spikes at the same row, and flanks of two teeth that have one form."""
+    first, second = curve(1, ANGLE, 60.0), curve(2, ANGLE, 60.0)
+    for value in (first, second):
+        value[500] = 9.9e14
+    more = "noise_std = 0.1"
+    read = campaign(static("a", 60.0, more), static("b", 60.0, more), a=table(ANGLE, first), b=table(ANGLE, second))
+    assert [np.flatnonzero(~record.keep).tolist() for record in read.records] == [[500], [500]]
+    flanks = [f'file = "{name}.csv"\nquantity = "flank_profile"\ngear = "wheel"\ntooth = {tooth}' for tooth, name in enumerate("ab")]
+    roll = np.linspace(9.0, 20.0, 40)
+    forms = {name: table(roll, slope * (roll - 9.0), "roll_length_mm,deviation_um") for name, slope in (("a", 0.8), ("b", 0.5))}
+    assert len(campaign(*flanks, **forms).records) == 2
+
+
+def test_a_quieter_instrument_that_says_so_is_no_wrong_unit(campaign: Callable[..., Campaign]) -> None:
+    quiet = 1e-2 * curve(4, ANGLE, 0.0) + curve(4, ANGLE, 9.0) - curve(4, ANGLE, 0.0)
+    names = {"a": (60.0, 0.1), "b": (90.0, 0.1), "c": (120.0, 0.1), "d": (9.0, 0.001)}
+    files = {name: te(seed, torque) for seed, (name, (torque, _)) in enumerate(names.items())} | {"d": table(ANGLE, quiet)}
+    read = campaign(*(static(name, torque, f"noise_std = {noise}") for name, (torque, noise) in names.items()), **files)
+    assert len(read.records) == 4
+
+
 def test_copies_are_refused_under_another_torque_and_constant(campaign: Callable[..., Campaign]) -> None:
     value = curve(1, ANGLE, 60.0)
     with pytest.raises(InputError, match=r"record\[2\] \(b.csv\).*the same data as record\[1\]"):
@@ -198,7 +282,8 @@ def test_copies_are_refused_under_another_torque_and_constant(campaign: Callable
         (HEAD, static("a", 60.0, "torque = 1"), ("record[1].torque", "an unknown key")),
         (HEAD, static("a", 60.0).replace("static_tr", "statick_tr"), ("record[1].quantity", "static_transmission_error")),
         (HEAD, static("a", -1.0), ("record[1].pinion_torque_Nm", "above 0")),
-        (HEAD, static("a", 60.0).replace("static", "dynamic"), ("record[1].pinion_speed_rpm", "above 0 rpm")),
+        (HEAD, static("a", 60.0).replace("static", "dynamic").replace("rpm = 0.0", "rpm = 1e-9"), ("pinion_speed_rpm", "1e-09")),
+        (HEAD, static("a", 60.0).replace("static", "dynamic"), ("record[1].pinion_speed_rpm", "from 1 to 1e+06 rpm")),
         (HEAD, static("a", 60.0, 'role = "test"'), ("record[1].role", "holdout")),
         (HEAD, static("a", 60.0, "tooth = 1"), ("record[1].tooth", "no such key")),
         (HEAD, static("a", 60.0, "noise_std = nan"), ("record[1].noise_std", "above 0")),
@@ -225,6 +310,30 @@ def test_a_flank_may_have_gaps_but_not_metres(campaign: Callable[..., Campaign])
         campaign(flank, a=table(roll / 1e3, 0.0 * roll, "roll_length_mm,deviation_um"))
 
 
+def test_torque_and_speed_of_a_gear_off_the_rig_count_for_nothing(campaign: Callable[..., Campaign]) -> None:
+    flank = 'file = "a.csv"\nquantity = "flank_profile"\ngear = "wheel"\ntooth = 1\npinion_torque_Nm = -5.0\npinion_speed_rpm = -5.0'
+    roll = np.linspace(9.0, 20.0, 40)
+    assert campaign(flank, a=table(roll, 0.0 * roll, "roll_length_mm,deviation_um")).records[0].pinion_torque == 0.0
+
+
+def test_a_stiffness_below_nothing_is_refused_by_row(campaign: Callable[..., Campaign]) -> None:
+    stiff = static("a", 60.0).replace("static_transmission_error", "mesh_stiffness")
+    value = 300.0 + 40.0 * np.sign(np.sin(23.0 * ANGLE))
+    assert campaign(stiff, a=table(ANGLE, value, "pinion_angle_rad,mesh_stiffness_N_per_um")).records[0].keep.all()
+    with pytest.raises(InputError, match=r"row 1 \(line 3\), column mesh_stiffness_N_per_um.*above 0 N/um"):
+        campaign(stiff, a=table(ANGLE, -value, "pinion_angle_rad,mesh_stiffness_N_per_um"))
+
+
+def test_a_tooth_out_of_place_is_refused_and_a_late_one_is_not(campaign: Callable[..., Campaign]) -> None:
+    pitch, head = 'file = "a.csv"\nquantity = "pitch_deviation"\ngear = "wheel"', "tooth,pitch_deviation_um"
+    value = np.random.default_rng(1).normal(0.0, 0.1, 41)
+    value[17] = 40.0
+    assert campaign(pitch, a=table(np.arange(41.0), value, head)).records[0].keep.all()
+    value[17] = 900.0
+    with pytest.raises(InputError, match=r"row 18 \(line 20\), column pitch_deviation_um"):
+        campaign(pitch, a=table(np.arange(41.0), value, head))
+
+
 def test_runout_wider_than_the_module_is_refused(campaign: Callable[..., Campaign]) -> None:
     runout = 'file = "a.csv"\nquantity = "radial_runout"\ngear = "wheel"'
     teeth = np.arange(41.0)
@@ -247,3 +356,11 @@ def test_a_record_in_another_power_of_ten_is_refused(campaign: Callable[..., Cam
     wrong = table(ANGLE, 10.0**power * curve(3, ANGLE, 90.0))
     with pytest.raises(InputError, match=rf"c.csv: column transmission_error_um.*10\^{power} times"):
         campaign(static("a", 20.0), static("b", 60.0), static("c", 90.0), a=te(1, 20.0), b=te(2, 60.0), c=wrong)
+
+
+def test_results_do_not_replace_the_model_of_the_campaign(folder: Path, campaign: Callable[..., Campaign]) -> None:
+    (folder / "updated.toml").write_text(MODEL)
+    campaign(static("a", 60.0), head=HEAD.replace("model.toml", "updated.toml"), a=te(1, 60.0))
+    with pytest.raises(InputError, match=r"--out: found the folder of .*updated.toml"):
+        run_diagnosis(str(folder / "campaign.toml"), folder, (), (), (), quiet)
+    assert (folder / "updated.toml").read_text() == MODEL

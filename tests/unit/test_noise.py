@@ -42,6 +42,17 @@ def repeating(count: int, seed: int = 5) -> np.ndarray:
     return teeth + 2e-5 * np.sin(angle) + 1e-5 * np.sin(angle / PAIR.ratio) + 2e-6 * np.sin(46.0 * angle)
 
 
+@pytest.mark.parametrize("name", ["static_transmission_error", "mesh_stiffness"])
+def test_where_nothing_shows_noise_it_is_assumed(name: str) -> None:
+    """Few rows, or digits so coarse that most neighbours are alike."""
+    short = make_record(name, STEP * np.arange(20), 1.0 + np.sin(np.arange(20.0)))
+    coarse = make_record(name, STEP * np.arange(300), np.round(np.linspace(1.0, 4.0, 300)))
+    found = [measure_noise(record, PAIR) for record in (short, coarse)]
+    assert [noise.basis for noise in found] == ["assumed", "assumed"]
+    assert found[0].std == pytest.approx(0.02 * np.std(short.value), rel=1e-9)
+    assert found[1].std == pytest.approx(1.0 / math.sqrt(12.0), rel=1e-9)
+
+
 @pytest.mark.parametrize("memory", [0.0, 0.7])
 def test_noise_is_found_under_what_repeats_and_made_white(memory: float) -> None:
     count, std = 3000, 1e-7

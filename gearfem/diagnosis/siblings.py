@@ -1,0 +1,109 @@
+"""What records of a campaign say of each other: copies, and one in another unit than the rest."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from gearfem.foundation import Array, InputError
+
+# Copies agree to this part up to a constant and a factor. Where rows were left out or changed most others do without a factor, at angles no
+# farther apart than this part of a step: to this part of their range, or of the stated noise, by 1.4 times which real repeats differ.
+COPY, APART, CHANGED, ROUNDED = 1e-9, 0.05, 1e-6, 0.25
+# Rows from which on copies with changes are looked for, and the share of the shorter record that must be met.
+FEWEST, MET = 20, 0.4
+
+
+class Taken(NamedTuple):
+    """A record: its file, what was measured, the rows of axis and values that count, shapes (n,), and the noise that it states."""
+
+    file: str
+    what: object
+    axis: Array
+    value: Array
+    noise: float | None
+
+
+def refuse_duplicates(records: list[Taken]) -> None:
+    """Refuse a record whose values are those of an earlier one, under another name, torque or constant.
+
+    Parameters
+    ----------
+    records : list of Taken
+        Only what was measured alike is compared.
+
+    Raises
+    ------
+    InputError
+        Naming both.
+    """
+    for later, one in enumerate(records):
+        for earlier, other in enumerate(records[:later]):
+            if one.file == other.file or (one.what == other.what and _copied(one, other)):
+                found = f"the same data as record[{earlier + 1}] ({other.file})"
+                raise InputError(f"record[{later + 1}] ({one.file})", found, "each measurement once: leave out the copy")
+
+
+def _copied(one: Taken, other: Taken) -> bool:
+    """Whether two series are the same up to a constant and a factor, or up to a constant on most rows of one; noise keeps repeats apart."""
+    axis, value, first_axis, first = one.axis, one.value, other.axis, other.value
+    if min(len(value), len(first)) < 5:
+        return False
+    if len(value) == len(first) and np.allclose(axis, first_axis, rtol=1e-6, atol=0.0):
+        own, its = value - value.mean(), first - first.mean()
+        size = float(np.linalg.norm(own) * np.linalg.norm(its))
+        if size > 0.0 and 1.0 - float(own @ its) / size < COPY:
+            return True
+    near = np.clip(np.searchsorted(first_axis, axis), 1, len(first) - 1)
+    near -= axis - first_axis[near - 1] < first_axis[near] - axis
+    met = np.abs(first_axis[near] - axis) < APART * np.median(np.diff(first_axis))
+    if np.count_nonzero(met) < max(FEWEST, MET * min(len(value), len(first))):
+        return False
+    apart, noise = value[met] - first[near[met]], min(one.noise or 0.0, other.noise or 0.0)
+    return float(np.median(np.abs(apart - np.median(apart)))) < max(CHANGED * float(np.ptp(value)), ROUNDED * noise)
+
+
+def refuse_odd_units(records: list[Taken], column: str, folder: Path) -> None:
+    """Refuse a slow record whose signal and whose noise are both another power of ten than those of its siblings.
+
+    Parameters
+    ----------
+    records : list of Taken
+        The slow transmission errors of a campaign.
+    column : str
+        Of their values.
+    folder : Path
+        Of the campaign.
+
+    Raises
+    ------
+    InputError
+        Naming the record and the power.
+
+    Notes
+    -----
+    One instrument has one noise, whatever the torque: third differences of practice records agree within 0.1 decades, their deviations
+    within 0.3. Two siblings at least are needed to say which one is odd.
+    """
+    if len(records) < 3:
+        return
+    rough = np.array([_decades(np.diff(one.value, 3)) for one in records])
+    stated = [one.noise for one in records if one.noise is not None]
+    if len(stated) == len(records):
+        # An instrument that is said to be quieter may be.
+        rough -= np.log10(stated)
+    whole = np.array([_decades(one.value - np.median(one.value)) for one in records])
+    for number, one in enumerate(records):
+        others = np.arange(len(records)) != number
+        off, size = rough[number] - np.median(rough[others]), whole[number] - np.median(whole[others])
+        power = round(off)
+        if power and abs(off - power) < 0.25 and abs(size - power) < 0.5:
+            found = f"values and noise 10^{power} times those of the other records"
+            raise InputError(f"column {column}", found, f"values in {column.rpartition('_')[2]}", str(folder / one.file))
+
+
+def _decades(value: Array) -> float:
+    return math.log10(max(float(np.median(np.abs(value))), 1e-30))
