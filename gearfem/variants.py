@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, Protocol
 
 from gearfem.compliance.record import Compliance, ToothCompliance
@@ -112,6 +113,11 @@ class ContactDepth:
         return compliance.each(deeper)
 
 
+def just(kind: Callable[..., Any], field: str, system: System, value: float) -> Any:
+    """Return a cause that has one strength, whatever the system."""
+    return kind(**{field: value})
+
+
 def _rubbing(system: System, more: float) -> Friction:
     return Friction(coefficient=system.drive.friction_coefficient + more)
 
@@ -124,21 +130,21 @@ VARIANTS = (
     Variant(
         name="contact_scale",
         words="contact law, 30 %",
-        cause=lambda system, scale: ContactCompliance(scale=scale),
+        cause=partial(just, ContactCompliance, "scale"),
         size=1.3,
         is_scale=True,
     ),
     Variant(
         name="body_scale",
         words="gear bodies, 20 %",
-        cause=lambda system, scale: BodyCompliance(scale=scale),
+        cause=partial(just, BodyCompliance, "scale"),
         size=1.2,
         is_scale=True,
     ),
     Variant(
         name="depth_scale",
         words="depth of the contact, 40 %",
-        cause=lambda system, scale: ContactDepth(scale=scale),
+        cause=partial(just, ContactDepth, "scale"),
         size=0.6,
         is_scale=True,
         least=-2.0,
@@ -148,7 +154,7 @@ VARIANTS = (
     Variant(
         name="misalignment",
         words="misalignment, 1 um over the face width",
-        cause=lambda system, slope: LeadMisalignment(slope=slope),
+        cause=partial(just, LeadMisalignment, "slope"),
         size=1.0 * UM,
         is_scale=False,
         least=0.0,
@@ -156,7 +162,7 @@ VARIANTS = (
     Variant(
         name="centre_distance",
         words="centre distance, 20 um",
-        cause=lambda system, amount: CentreDistance(amount=amount),
+        cause=partial(just, CentreDistance, "amount"),
         size=20.0 * UM,
         is_scale=False,
         least=-2.0,

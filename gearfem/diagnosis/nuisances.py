@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_gain import SensorGain
 from gearfem.foundation import Array, Record, SolveError
 from gearfem.sensing import System
+from gearfem.variants import just
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,7 +75,7 @@ def _damped(system: System, scale: float) -> Damping:
 SCALES = (
     Nuisance(name="stiffness_scale", words="stiffness of teeth and bodies, Young's modulus included", prior=math.hypot(0.05, 0.01)),
     Nuisance(name="torque_scale", words="torque", prior=0.01, step=0.5),
-    Nuisance(name="gain", words="sensor gain", prior=0.02, step=0.5, cause=lambda system, scale: SensorGain(scale=scale)),
+    Nuisance(name="gain", words="sensor gain", prior=0.02, step=0.5, cause=partial(just, SensorGain, "scale")),
 )
 # Inertias are known to 2 %; what they swing on errs by more than its compliance in series does, some 3 % of natural frequencies squared.
 MOVING = (

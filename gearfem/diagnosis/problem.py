@@ -6,6 +6,7 @@ import copy
 import dataclasses
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -109,7 +110,7 @@ class Problem:
         known: tuple[Effect, ...] = (),
     ) -> None:
         self.campaign, self.records, self.noises, self.known = campaign, records, noises, known
-        self.make: BenchOf = bench or (lambda effects: bench_of(campaign, effects))
+        self.make: BenchOf = bench or partial(bench_of, campaign)
         self.unknowns = unknowns or unknowns_of(campaign, records, scatter or Scatter(), self.bench(()).errors)
         self.nuisances = self.unknowns.nuisances
         self.stand_ins = stand_ins(self.unknowns, campaign.setup)

@@ -49,6 +49,10 @@ class Record:
             [type(self).__name__, *(f"  {field.name}: {_brief(getattr(self, field.name))}" for field in dataclasses.fields(self))]
         )
 
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """Show the same in a notebook, where all numbers of a record would fill pages."""
+        printer.text("..." if cycle else str(self))
+
 
 def _brief(value: Any) -> str:
     if isinstance(value, np.ndarray):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import pickle
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -106,6 +108,16 @@ def test_the_result_has_the_keys_and_units_of_its_format(found: Diagnosis) -> No
     assert all(gap["unit"] == "um" for gap in result["gap"])
     assert {place["domain"] for place in result["where"]} <= {"mesh_phase", "order", "tooth", "frequency"}
     json.dumps(result, allow_nan=False)
+
+
+def test_a_diagnosis_can_be_kept_and_is_brief_in_a_notebook(found: Diagnosis) -> None:
+    kept = pickle.loads(pickle.dumps(found))
+    assert as_json(kept) == as_json(found)
+    assert len(kept.problem.predict((), kept.naming.fit.point.unknown)) == len(found.problem.records)
+    shown: list[str] = []
+    found.proof._repr_pretty_(SimpleNamespace(text=shown.append), cycle=False)
+    assert shown == [str(found.proof)]
+    assert len(shown[0]) < 2000
 
 
 def test_the_report_holds_its_pictures_and_asks_nothing_of_the_network(found: Diagnosis, tmp_path: Path) -> None:
