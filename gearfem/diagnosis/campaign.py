@@ -183,7 +183,7 @@ def read_campaign(path: str | Path) -> Campaign:
         records.append(record)
         remarks += found
     try:
-        taken = [Taken(r.file, (r.quantity.columns, r.gear, r.tooth), r.axis[r.keep], r.value[r.keep], r.noise_std) for r in records]
+        taken = [_taken(record) for record in records]
         refuse_duplicates(taken)
         slow = [one for one, record in zip(taken, records, strict=True) if record.quantity.name == "static_transmission_error"]
         refuse_odd_units(slow, TRANSMISSION_ERROR[1], path.parent)
@@ -252,6 +252,11 @@ def _mean_of(record: Measurement, pair: GearPair) -> tuple[Measurement, int]:
     rows, noise = len(value), record.noise_std and record.noise_std / math.sqrt(cycles)
     whole = {"axis": axis[:rows], "line": line[:rows], "keep": np.ones(rows, bool)}
     return dataclasses.replace(record, value=value, noise_std=noise, **whole), cycles
+
+
+def _taken(record: Measurement) -> Taken:
+    what, at = (record.quantity.columns, record.gear, record.tooth), (record.pinion_torque, record.pinion_speed)
+    return Taken(record.file, what, at, record.axis[record.keep], record.value[record.keep], record.noise_std)
 
 
 def _gear(pair: GearPair, member: Literal["pinion", "wheel"] | None) -> Gear:

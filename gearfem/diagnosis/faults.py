@@ -25,6 +25,8 @@ SAMPLES_PER_PITCH = 6.0
 # Share of the fast variation that repeats with the mesh from which on it tells the unit of the angle: of 461 records in radians, with and
 # without effects, no other unit has more of it, and five times as much as they.
 MESHES = 0.1
+# Mesh cycles that a line must cover to be told from what the shafts do.
+FEWEST_MESHES = 4.0
 # One sample in a hundred is no longer isolated.
 MOST_SPIKES = 0.01
 # Outliers lie outside of all but this share of the rows at either end, two at least, by so many times the range of the others.
@@ -98,7 +100,7 @@ def find_faults(file: str, quantity: Quantity, series: Series, pair: GearPair, g
         _check_angle(series, quantity, pair)
     faults = _check_spacing(file, series, quantity, pair)
     periods = [2.0 * math.pi, 2.0 * math.pi * pair.ratio, pair.pinion.pitch_angle] if quantity.axis == "angle" else []
-    spikes = find_spikes(series.axis, series.value, periods)
+    spikes = find_spikes(series.axis, series.value, periods, quantity.name == "mesh_stiffness")
     if len(spikes) > max(1.0, MOST_SPIKES * len(keep)):
         column = quantity.columns[1]
         found = f"{len(spikes)} spikes ({rows_text(series, spikes)})"
@@ -185,6 +187,8 @@ def _check_angle(series: Series, quantity: Quantity, pair: GearPair) -> None:
         "angles of the wheel": pair.ratio,
     }
     _refuse_still(series, quantity)
+    if np.ptp(series.axis) < FEWEST_MESHES * pitch:
+        return
     own = _mesh_share(series, 1.0, pitch)
     for word, scale in readings.items() if own < 0.2 else ():
         other = _mesh_share(series, scale, pitch)
@@ -207,7 +211,7 @@ def _mesh_share(series: Series, scale: float, pitch: float) -> float:
     """Return the share of the fast variation that repeats with the mesh if the axis is stretched by `scale`."""
     phase = 2.0 * math.pi * scale * series.axis / pitch
     cycles = float(np.ptp(phase)) / (2.0 * math.pi)
-    if cycles < 4.0 or len(phase) < 6.0 * cycles:
+    if cycles < FEWEST_MESHES or len(phase) < 6.0 * cycles:
         return 0.0
     slow = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, len(phase)), min(max(2, int(cycles / 2.0)), 40))
     wave = np.exp(1j * phase[:, None] * np.arange(1, 4))

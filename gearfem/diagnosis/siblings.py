@@ -11,17 +11,19 @@ import numpy as np
 from gearfem.foundation import Array, InputError
 
 # Copies agree to this part up to a constant and a factor. Where rows were left out or changed most others do without a factor, at angles no
-# farther apart than this part of a step: to this part of their range, or of the stated noise, by 1.4 times which real repeats differ.
+# farther apart than this part of a step: to this part of their range, or, at the same torque and speed, of the stated noise, by 1.4 times
+# which real repeats differ.
 COPY, APART, CHANGED, ROUNDED = 1e-9, 0.05, 1e-6, 0.25
 # Rows from which on copies with changes are looked for, and the share of the shorter record that must be met.
 FEWEST, MET = 20, 0.4
 
 
 class Taken(NamedTuple):
-    """A record: its file, what was measured, the rows of axis and values that count, shapes (n,), and the noise that it states."""
+    """A record: file, what was measured, at what torque and speed, rows of axis and values that count, shapes (n,), and stated noise."""
 
     file: str
     what: object
+    at: tuple[float, float]
     axis: Array
     value: Array
     noise: float | None
@@ -62,7 +64,9 @@ def _copied(one: Taken, other: Taken) -> bool:
     met = np.abs(first_axis[near] - axis) < APART * np.median(np.diff(first_axis))
     if np.count_nonzero(met) < max(FEWEST, MET * min(len(value), len(first))):
         return False
-    apart, noise = value[met] - first[near[met]], min(one.noise or 0.0, other.noise or 0.0)
+    apart = value[met] - first[near[met]]
+    # At another torque simulated records may share their noise.
+    noise = min(one.noise or 0.0, other.noise or 0.0) if one.at == other.at else 0.0
     return float(np.median(np.abs(apart - np.median(apart)))) < max(CHANGED * float(np.ptp(value)), ROUNDED * noise)
 
 

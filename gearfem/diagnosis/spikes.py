@@ -17,7 +17,7 @@ WINDOW = 24
 MAD = 1.4826
 
 
-def find_spikes(axis: Array, value: Array, periods: Sequence[float]) -> NDArray[Any]:
+def find_spikes(axis: Array, value: Array, periods: Sequence[float], jumps: bool = False) -> NDArray[Any]:
     """Return the rows of isolated spikes.
 
     Parameters
@@ -26,6 +26,9 @@ def find_spikes(axis: Array, value: Array, periods: Sequence[float]) -> NDArray[
         The series, in any unit.
     periods : sequence of float
         Distances along the axis after which real events come back: a turn of each gear, a pitch.
+    jumps : bool
+        Whether the signal jumps between levels, as a stiffness does where pairs come and go: at light load a second pair may carry for a
+        single sample. Spikes lie outside of all levels then.
 
     Returns
     -------
@@ -49,7 +52,11 @@ def find_spikes(axis: Array, value: Array, periods: Sequence[float]) -> NDArray[
     inner = [row for row in found if not _returns(row, over, axis, periods)]
     least, most = np.sort(value)[[2, -3]]
     ends = [row for row in (0, len(value) - 1) if max(least - value[row], value[row] - most) > most - least]
-    return np.array(sorted({*inner, *ends}), int)
+    spikes = np.array(sorted({*inner, *ends}), int)
+    if jumps and len(spikes):
+        others = np.delete(value, spikes)
+        spikes = spikes[(value[spikes] < others.min()) | (value[spikes] > others.max())]
+    return spikes
 
 
 def _overshoot(value: Array) -> Array:

@@ -230,6 +230,24 @@ def test_a_first_row_far_outside_is_a_spike_and_a_step_there_is_none(campaign: C
     assert campaign(static("a", 600.0), a=table(ANGLE, value)).records[0].keep.all()
 
 
+def test_a_few_pitches_tell_no_unit_of_the_angle(campaign: Callable[..., Campaign]) -> None:
+    """Over the wheel's pitch they are enough for a line, over the pinion's they are not."""
+    angle = np.linspace(0.0, 3.95 * PITCH, 200)
+    read = campaign(static("a", 60.0), a=table(angle, np.where((41.0 * angle / 2.0 / np.pi) % 1.0 < 0.5, 1.0, 2.0)))
+    assert read.records[0].keep.all()
+
+
+def test_a_second_pair_that_carries_for_one_sample_is_no_spike(campaign: Callable[..., Campaign]) -> None:
+    stiff = static("a", 60.0).replace("static_transmission_error", "mesh_stiffness")
+    angle = ANGLE[:400]
+    value = np.where((angle / PITCH) % 1.0 < 0.4, 250.0, 155.0) + np.random.default_rng(1).normal(0.0, 1.0, 400)
+    outside, inside = np.argmax((angle / PITCH) % 1.0 > 0.7), np.argmax((angle > 1.0) & ((angle / PITCH) % 1.0 > 0.7))
+    value[inside] = 248.0
+    value[outside] = 400.0
+    read = campaign(stiff, a=table(angle, value, "pinion_angle_rad,mesh_stiffness_N_per_um"))
+    assert np.flatnonzero(~read.records[0].keep).tolist() == [outside]
+
+
 CHANGES: dict[str, Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
     "rows left out": lambda x, y: (x[7:-5], y[7:-5]),
     "every second row": lambda x, y: (x[::2], y[::2]),
@@ -244,7 +262,7 @@ CHANGES: dict[str, Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarr
 def test_changed_copies_are_refused(campaign: Callable[..., Campaign], change: str) -> None:
     value, more = curve(1, ANGLE, 60.0), "noise_std = 0.2"
     with pytest.raises(InputError, match=r"record\[2\] \(b.csv\).*the same data as record\[1\]"):
-        campaign(static("a", 60.0, more), static("b", 90.0, more), a=table(ANGLE, value), b=table(*CHANGES[change](ANGLE, value)))
+        campaign(static("a", 60.0, more), static("b", 60.0, more), a=table(ANGLE, value), b=table(*CHANGES[change](ANGLE, value)))
 
 
 def test_repeats_and_like_forms_are_no_copies(campaign: Callable[..., Campaign]) -> None:
