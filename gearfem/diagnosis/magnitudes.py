@@ -20,7 +20,8 @@ from gearfem.foundation.units import RPM
 
 # Decades below and above the model's lines. Heavy wear makes them a hundredfold at low torque, relief at its design load a tenth.
 FAR = (1.85, 2.5)
-FAR_STIFFNESS = (0.6, 0.6)
+# Soft supports leave a seventh of a stiffness; a wrong unit leaves an eighth of a healthy one at most.
+FAR_STIFFNESS = (0.87, 0.6)
 # What a wrong unit of speed multiplies it by: rad/s, Hz or degrees per second taken for rpm and back, a decade, the other shaft.
 SPEEDS = {"rad/s": 30.0 / math.pi, "Hz": 60.0, "a tenth": 10.0, "ten times": 0.1, "rpm for rad/s": math.pi / 30.0}
 # Effects move lines by factors up to e or so; a speed is refused only where they fit no better than by e^1.2, and another one within e^0.5,
@@ -69,17 +70,19 @@ def _check_size(record: Measurement, bench: Bench, folder: Path) -> None:
         ratio = _size(record, record.value, bench) / _size(record, predicted, bench)
     decades = math.log10(max(ratio, 1e-12))
     column, allowed, file = record.quantity.columns[1], f"values in {record.quantity.unit}", str(folder / record.file)
+    rough = roughness(record)
+    off = math.log10(rough / record.noise_std) if record.noise_std and rough else None
+    if off is not None and -NOISE[0] < off < NOISE[1]:
+        # Noise is what it is said to be, and so is the unit.
+        return
     below, above = FAR_STIFFNESS if record.quantity.name == "mesh_stiffness" else FAR
     if not -below < decades < above:
         power = round(decades) or int(math.copysign(1, decades))
         found = f"mesh lines of {ratio:.3g} times those of the model, as if the unit were wrong by 10^{power}"
         raise InputError(f"column {column}", found, f"{allowed}, or a model of this pair", file)
-    rough = roughness(record)
-    if record.noise_std and rough:
-        off = math.log10(rough / record.noise_std)
-        if not -NOISE[0] < off < NOISE[1] and math.copysign(decades, off * decades) > LINES:
-            found = f"noise of {10.0**off:.3g} times noise_std and mesh lines of {ratio:.3g} times those of the model"
-            raise InputError(f"column {column}", found, f"{allowed}, as noise_std", file)
+    if off is not None and math.copysign(decades, off * decades) > LINES:
+        found = f"noise of {10.0**off:.3g} times noise_std and mesh lines of {ratio:.3g} times those of the model"
+        raise InputError(f"column {column}", found, f"{allowed}, as noise_std", file)
 
 
 def _size(record: Measurement, value: Array, bench: Bench) -> float:
