@@ -67,6 +67,8 @@ class Suggestion(Record):
         What is measured.
     separation : float
         Least distance of two explanations in it, in standard deviations, with all freed that may imitate it.
+    told : str
+        What it would tell, in words.
     cost : float
         Against one slow record of a few turns.
     sentence : str
@@ -75,6 +77,7 @@ class Suggestion(Record):
 
     words: str
     separation: float
+    told: str
     cost: float
     sentence: str
 
@@ -116,17 +119,18 @@ def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], pr
         except (InputError, SolveError):
             continue
         worth = float(np.minimum(apart, ENOUGH).mean()) / plan.cost
-        found.append((worth, Suggestion(words=plan.words, separation=float(apart.min()), cost=plan.cost, sentence=_sentence(plan, apart))))
+        told = _told(apart)
+        sentence = f"Measure {plan.words}: {told}."
+        found.append((worth, Suggestion(words=plan.words, separation=float(apart.min()), told=told, cost=plan.cost, sentence=sentence)))
     progress("what to measure next", len(plans), len(plans))
     return tuple(one for _, one in sorted(found, key=lambda both: -both[0]))
 
 
-def _sentence(plan: Plan, apart: Array) -> str:
+def _told(apart: Array) -> str:
     """Return what a measurement would tell in words, from the distances of all pairs of explanations in it, shape (q,)."""
     if apart.min() >= TOLD or len(apart) == 1:
-        return f"Measure {plan.words}: the explanations then differ by at least {apart.min():.1f} standard deviations."
-    told = np.count_nonzero(apart >= TOLD)
-    return f"Measure {plan.words}: it tells {told} of {len(apart)} pairs of explanations apart by {TOLD:g} standard deviations or more."
+        return f"the explanations then differ by at least {apart.min():.1f} standard deviations"
+    return f"{np.count_nonzero(apart >= TOLD)} of {len(apart)} pairs of explanations then differ by {TOLD:g} standard deviations or more"
 
 
 def _apart(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple[Effect, ...]]) -> Array:

@@ -96,7 +96,9 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "nuisances": nuisance_rows(diagnosis),
         "suggestion": diagnosis.suggestions[0].sentence if diagnosis.suggestions else None,
-        "suggestions": [{"measure": one.words, "separation": one.separation, "cost": one.cost} for one in diagnosis.suggestions[:3]],
+        "suggestions": [
+            {"measure": one.words, "separation": one.separation, "told": one.told, "cost": one.cost} for one in diagnosis.suggestions[:3]
+        ],
         "reasons": [*naming.reasons, *proof.reasons],
         "notes": notes(diagnosis),
         "model": MODEL,
