@@ -1,11 +1,12 @@
 """Where model and measurement disagree, and which effect would close the gap: all in one, or step by step."""
 
 from gearfem.diagnosis.averages import averaged
-from gearfem.diagnosis.campaign import Campaign, Measurement, read_campaign
+from gearfem.diagnosis.campaign import Campaign, read_campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.diagnose import Diagnosis, choose, diagnose, fit
 from gearfem.diagnosis.faults import Fault
 from gearfem.diagnosis.localise import localise
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.name import name
 from gearfem.diagnosis.prove import prove
 from gearfem.diagnosis.rank import rank

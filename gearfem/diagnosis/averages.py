@@ -16,8 +16,8 @@ from scipy.linalg import block_diag, orth
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.approach import part_of
 from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.fit import AGAIN, Fit, again
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.pitch_point import turned_round
 from gearfem.diagnosis.problem import BenchOf, Problem

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.dynamics.linear_train import LinearTrain
 from gearfem.foundation import Array, Record
 

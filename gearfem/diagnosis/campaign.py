@@ -5,104 +5,27 @@ from __future__ import annotations
 import dataclasses
 import math
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gearfem.definition.model_file import read_tables
-from gearfem.definition.setup import Gear, GearPair, Member, Setup
+from gearfem.definition.setup import Gear, GearPair, Setup
 from gearfem.diagnosis.faults import Fault, find_faults
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.periods import hunting_period, mean_cycle
-from gearfem.diagnosis.quantities import QUANTITIES, TRANSMISSION_ERROR, Quantity
+from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.roles import Role, share_roles
 from gearfem.diagnosis.schema import RecordTable, validate_campaign
 from gearfem.diagnosis.series import read_series
-from gearfem.diagnosis.siblings import Taken, refuse_duplicates, refuse_odd_units
-from gearfem.foundation import Array, InputError, Record
+from gearfem.diagnosis.siblings import refuse_duplicates, refuse_odd_units
+from gearfem.foundation import InputError, Record
 from gearfem.foundation.units import RPM
 from gearfem.model import load_model
 
 # Rows from which on records over several hunting cycles are taken as their mean; and rows times teeth at most, each of which takes some
 # 400 bytes of memory: 12 GB.
 LONG, ROWS = 20_000, 30_000_000
-
-
-@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
-class Measurement(Record):
-    """One measured series in SI.
-
-    Parameters
-    ----------
-    file : str
-        As named in the campaign; the name of the record.
-    quantity : Quantity
-        What was measured over what.
-    axis, value : ndarray, shape (n,)
-        Pinion angle [rad], pinion speed [rad/s], roll length [m] or tooth number; the measured value in SI.
-    line : ndarray of int, shape (n,)
-        Line of the file behind each row.
-    keep : ndarray of bool, shape (n,)
-        False for rows that a repairable fault masks.
-    pinion_torque, pinion_speed : float
-        [N m], [rad/s]; 0 where the quantity has none.
-    gear : {"pinion", "wheel"} or None
-        Gear of a record of one gear.
-    tooth : int or None
-        Tooth of a flank.
-    tooth_known : bool
-        Whether the number of the first tooth is known.
-    noise_std : float or None
-        Stated standard deviation of the instrument, in SI.
-    role : {"fit", "holdout"}
-        What the record is for.
-    role_given : bool
-        Whether the campaign says so itself.
-    """
-
-    file: str
-    quantity: Quantity
-    axis: Array
-    value: Array
-    line: NDArray[Any]
-    keep: NDArray[Any]
-    pinion_torque: float = 0.0
-    pinion_speed: float = 0.0
-    gear: Member | None = None
-    tooth: int | None = None
-    tooth_known: bool = True
-    noise_std: float | None = None
-    role: Role = "fit"
-    role_given: bool = False
-
-    @property
-    def to_file(self) -> float:
-        """Factor from SI to the unit of the file's measured column."""
-        return 1.0 / self.quantity.factors[1]
-
-    def over(self, axis: Array) -> Measurement:
-        """Return a record of the same conditions over another axis, shape (n,), without values."""
-        return dataclasses.replace(self, axis=axis, value=np.zeros(len(axis)), **_whole(axis))
-
-
-def make_record(name: str, axis: Array, value: Array | None = None, **stated: Any) -> Measurement:
-    """Return a record of which every row counts, from arrays.
-
-    Parameters
-    ----------
-    name : str
-        Of its quantity, and of the record where `file` is not stated.
-    axis, value : ndarray, shape (n,)
-        As of `Measurement`; no value for a record that is only planned.
-    **stated
-        The other fields of `Measurement`.
-    """
-    value = np.zeros(len(axis)) if value is None else value
-    return Measurement(**{"file": name, **_whole(axis), **stated}, quantity=QUANTITIES[name], axis=axis, value=value)
-
-
-def _whole(axis: Array) -> dict[str, Any]:
-    return {"line": np.arange(len(axis)), "keep": np.ones(len(axis), bool)}
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -183,10 +106,8 @@ def read_campaign(path: str | Path) -> Campaign:
         records.append(record)
         remarks += found
     try:
-        taken = [_taken(record) for record in records]
-        refuse_duplicates(taken)
-        slow = [one for one, record in zip(taken, records, strict=True) if record.quantity.name == "static_transmission_error"]
-        refuse_odd_units(slow, TRANSMISSION_ERROR[1], path.parent)
+        refuse_duplicates(records)
+        refuse_odd_units([record for record in records if record.quantity.name == "static_transmission_error"], path.parent)
     except InputError as error:
         raise error.in_file(str(path)) from None
     rows, most = sum(len(record.axis) for record in records), ROWS // (setup.pair.pinion.teeth + setup.pair.wheel.teeth)
@@ -252,11 +173,6 @@ def _mean_of(record: Measurement, pair: GearPair) -> tuple[Measurement, int]:
     rows, noise = len(value), record.noise_std and record.noise_std / math.sqrt(cycles)
     whole = {"axis": axis[:rows], "line": line[:rows], "keep": np.ones(rows, bool)}
     return dataclasses.replace(record, value=value, noise_std=noise, **whole), cycles
-
-
-def _taken(record: Measurement) -> Taken:
-    what, at = (record.quantity.columns, record.gear, record.tooth), (record.pinion_torque, record.pinion_speed)
-    return Taken(record.file, what, at, record.axis[record.keep], record.value[record.keep], record.noise_std)
 
 
 def _gear(pair: GearPair, member: Literal["pinion", "wheel"] | None) -> Gear:

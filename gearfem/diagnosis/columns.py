@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.largest import EXPECTED_RISE, at_peaks
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import slopes

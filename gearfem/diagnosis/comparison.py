@@ -7,8 +7,9 @@ import dataclasses
 import numpy as np
 
 from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.problem import Problem
 from gearfem.foundation import Array, Record

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import norm
 
 from gearfem.diagnosis.bench import Bench, Settings
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.foundation import Array

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.diagnosis.bench import Bench, Oscillator, neutral
-from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.campaign import Campaign
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import measure_noise, roughness
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.zero import HARMONICS, mesh_lines
@@ -70,17 +71,14 @@ def _check_size(record: Measurement, bench: Bench, folder: Path) -> None:
         ratio = _size(record, record.value, bench) / _size(record, predicted, bench)
     decades = math.log10(max(ratio, 1e-12))
     column, allowed, file = record.quantity.columns[1], f"values in {record.quantity.unit}", str(folder / record.file)
-    rough = roughness(record)
-    off = math.log10(rough / record.noise_std) if record.noise_std and rough else None
-    if off is not None and -NOISE[0] < off < NOISE[1]:
-        # Noise is what it is said to be, and so is the unit.
-        return
     below, above = FAR_STIFFNESS if record.quantity.name == "mesh_stiffness" else FAR
     if not -below < decades < above:
         power = round(decades) or int(math.copysign(1, decades))
         found = f"mesh lines of {ratio:.3g} times those of the model, as if the unit were wrong by 10^{power}"
         raise InputError(f"column {column}", found, f"{allowed}, or a model of this pair", file)
-    if off is not None and math.copysign(decades, off * decades) > LINES:
+    rough = roughness(record)
+    off = math.log10(rough / record.noise_std) if record.noise_std and rough else 0.0
+    if not -NOISE[0] < off < NOISE[1] and math.copysign(decades, off * decades) > LINES:
         found = f"noise of {10.0**off:.3g} times noise_std and mesh lines of {ratio:.3g} times those of the model"
         raise InputError(f"column {column}", found, f"{allowed}, as noise_std", file)
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.effects.effect import MEMBERS

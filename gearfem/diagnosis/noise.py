@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from scipy.stats import t as student
 
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.periods import hunting_period, shifted
 from gearfem.diagnosis.whitening import Whitening, make_whitener
 from gearfem.foundation import Array, Record
@@ -157,10 +157,11 @@ def _reconciled(covariance: Array, basis: Basis, freedom: float, record: Measure
 
 def _assumed(record: Measurement) -> float:
     """Return the deviation of noise that nothing shows [SI]: digits that are lost, or what instruments of its kind do."""
+    if record.quantity.name in ASSUMED:
+        return ASSUMED[record.quantity.name]
     value = record.value[record.keep]
     steps = np.diff(np.unique(value))
-    lost = float(steps.min(initial=np.ptp(value))) / math.sqrt(12.0)
-    return ASSUMED.get(record.quantity.name) or max(lost, READ * float(np.std(value)))
+    return max(float(steps.min(initial=np.ptp(value))) / math.sqrt(12.0), READ * float(np.std(value)))
 
 
 def _first_order(std: float, rough: float) -> Array:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from gearfem.diagnosis.bench import Bench, Settings
-from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.campaign import Campaign
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.effects.damping import Damping
 from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_gain import SensorGain

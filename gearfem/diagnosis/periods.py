@@ -32,6 +32,12 @@ def mean_cycle(axis: Array, value: Array, period: float) -> tuple[Array, int]:
     return np.asarray(sum(later, start=value[:rows]) / cycles), cycles
 
 
+def nearest_rows(axis: Array, places: Array) -> NDArray[Any]:
+    """Return the rows of a rising axis, shape (n,), that are nearest to places, shape (k,)."""
+    nearest = np.clip(np.searchsorted(axis, places), 1, len(axis) - 1)
+    return np.asarray(nearest - (places - axis[nearest - 1] < axis[nearest] - places))
+
+
 def shifted(axis: Array, value: Array, period: float) -> tuple[Array, NDArray[Any]]:
     """Return the samples nearest to one period later, moved there along their slope, and the rows that have one.
 
@@ -53,8 +59,7 @@ def shifted(axis: Array, value: Array, period: float) -> tuple[Array, NDArray[An
     if not len(valid):
         return np.empty(0), valid
     place = axis[valid] + period
-    nearest = np.clip(np.searchsorted(axis, place), 1, len(axis) - 1)
-    nearest -= place - axis[nearest - 1] < axis[nearest] - place
+    nearest = nearest_rows(axis, place)
     # The slope over five samples adds a hundredth to the variance; a line between neighbours would take up to half of it away.
     slope = np.zeros(len(value))
     if len(value) > 5:

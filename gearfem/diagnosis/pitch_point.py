@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.problem import BenchOf
 from gearfem.effects.friction import Friction
 from gearfem.foundation import Array

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.columns import make_columns
 from gearfem.diagnosis.fit import ROUNDS, Fit, fit
 from gearfem.diagnosis.marginal import Marginal, marginal, memory_of, profile
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.parameters import unlikely
 from gearfem.diagnosis.point import Point

@@ -14,9 +14,9 @@ from gearfem.definition.setup import Setup
 from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.calibrate import calibrated
-from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.largest import at_peaks, expected
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import Noise, measure_noise
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.roles import Role

@@ -9,8 +9,8 @@ import math
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from gearfem.diagnosis.campaign import Measurement
 from gearfem.diagnosis.candidate import View
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.shapes import FREQUENCIES, shapes_of
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.zones import PHASES, ZONES, in_zones, leading_teeth, order_lines, phase_cells
 from gearfem.foundation import Array, Record

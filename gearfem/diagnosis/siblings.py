@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
+from gearfem.diagnosis.measurement import Measurement
+from gearfem.diagnosis.periods import nearest_rows
 from gearfem.foundation import Array, InputError
 
 # Copies agree to this part up to a constant and a factor. Where rows were left out or changed most others do without a factor, at angles no
@@ -18,23 +19,12 @@ COPY, APART, CHANGED, ROUNDED = 1e-9, 0.05, 1e-6, 0.25
 FEWEST, MET = 20, 0.4
 
 
-class Taken(NamedTuple):
-    """A record: file, what was measured, at what torque and speed, rows of axis and values that count, shapes (n,), and stated noise."""
-
-    file: str
-    what: object
-    at: tuple[float, float]
-    axis: Array
-    value: Array
-    noise: float | None
-
-
-def refuse_duplicates(records: list[Taken]) -> None:
+def refuse_duplicates(records: list[Measurement]) -> None:
     """Refuse a record whose values are those of an earlier one, under another name, torque or constant.
 
     Parameters
     ----------
-    records : list of Taken
+    records : list of Measurement
         Only what was measured alike is compared.
 
     Raises
@@ -44,14 +34,19 @@ def refuse_duplicates(records: list[Taken]) -> None:
     """
     for later, one in enumerate(records):
         for earlier, other in enumerate(records[:later]):
-            if one.file == other.file or (one.what == other.what and _copied(one, other)):
+            if one.file == other.file or (_alike(one, other) and _copied(one, other)):
                 found = f"the same data as record[{earlier + 1}] ({other.file})"
                 raise InputError(f"record[{later + 1}] ({one.file})", found, "each measurement once: leave out the copy")
 
 
-def _copied(one: Taken, other: Taken) -> bool:
+def _alike(one: Measurement, other: Measurement) -> bool:
+    """Whether two records say that they hold the same kind of series of the same gear and tooth."""
+    return (one.quantity.columns, one.gear, one.tooth) == (other.quantity.columns, other.gear, other.tooth)
+
+
+def _copied(one: Measurement, other: Measurement) -> bool:
     """Whether two series are the same up to a constant and a factor, or up to a constant on most rows of one; noise keeps repeats apart."""
-    axis, value, first_axis, first = one.axis, one.value, other.axis, other.value
+    axis, value, first_axis, first = one.axis[one.keep], one.value[one.keep], other.axis[other.keep], other.value[other.keep]
     if min(len(value), len(first)) < 5:
         return False
     if len(value) == len(first) and np.allclose(axis, first_axis, rtol=1e-6, atol=0.0):
@@ -59,26 +54,24 @@ def _copied(one: Taken, other: Taken) -> bool:
         size = float(np.linalg.norm(own) * np.linalg.norm(its))
         if size > 0.0 and 1.0 - float(own @ its) / size < COPY:
             return True
-    near = np.clip(np.searchsorted(first_axis, axis), 1, len(first) - 1)
-    near -= axis - first_axis[near - 1] < first_axis[near] - axis
+    near = nearest_rows(first_axis, axis)
     met = np.abs(first_axis[near] - axis) < APART * np.median(np.diff(first_axis))
     if np.count_nonzero(met) < max(FEWEST, MET * min(len(value), len(first))):
         return False
     apart = value[met] - first[near[met]]
     # At another torque simulated records may share their noise.
-    noise = min(one.noise or 0.0, other.noise or 0.0) if one.at == other.at else 0.0
+    repeated = (one.pinion_torque, one.pinion_speed) == (other.pinion_torque, other.pinion_speed)
+    noise = min(one.noise_std or 0.0, other.noise_std or 0.0) if repeated else 0.0
     return float(np.median(np.abs(apart - np.median(apart)))) < max(CHANGED * float(np.ptp(value)), ROUNDED * noise)
 
 
-def refuse_odd_units(records: list[Taken], column: str, folder: Path) -> None:
+def refuse_odd_units(records: list[Measurement], folder: Path) -> None:
     """Refuse a slow record whose signal and whose noise are both another power of ten than those of its siblings.
 
     Parameters
     ----------
-    records : list of Taken
+    records : list of Measurement
         The slow transmission errors of a campaign.
-    column : str
-        Of their values.
     folder : Path
         Of the campaign.
 
@@ -94,19 +87,20 @@ def refuse_odd_units(records: list[Taken], column: str, folder: Path) -> None:
     """
     if len(records) < 3:
         return
-    rough = np.array([_decades(np.diff(one.value, 3)) for one in records])
-    stated = [one.noise for one in records if one.noise is not None]
+    values = [record.value[record.keep] for record in records]
+    rough = np.array([_decades(np.diff(value, 3)) for value in values])
+    stated = [record.noise_std for record in records if record.noise_std is not None]
     if len(stated) == len(records):
         # An instrument that is said to be quieter may be.
         rough -= np.log10(stated)
-    whole = np.array([_decades(one.value - np.median(one.value)) for one in records])
-    for number, one in enumerate(records):
+    whole = np.array([_decades(value - np.median(value)) for value in values])
+    for number, record in enumerate(records):
         others = np.arange(len(records)) != number
         off, size = rough[number] - np.median(rough[others]), whole[number] - np.median(whole[others])
         power = round(off)
         if power and abs(off - power) < 0.25 and abs(size - power) < 0.5:
             found = f"values and noise 10^{power} times those of the other records"
-            raise InputError(f"column {column}", found, f"values in {column.rpartition('_')[2]}", str(folder / one.file))
+            raise InputError(f"column {record.quantity.columns[1]}", found, f"values in {record.quantity.unit}", str(folder / record.file))
 
 
 def _decades(value: Array) -> float:

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import Noise
 from gearfem.foundation import Array, Record
 

@@ -10,10 +10,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearfem.definition.setup import Member
-from gearfem.diagnosis.campaign import Measurement, make_record
 from gearfem.diagnosis.columns import errors_of
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.marginal import marginal
+from gearfem.diagnosis.measurement import Measurement, make_record
 from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, slopes
 from gearfem.diagnosis.periods import hunting_period
 from gearfem.diagnosis.problem import Problem
@@ -71,15 +71,17 @@ class Suggestion(Record):
         What it would tell, in words.
     cost : float
         Against one slow record of a few turns.
-    sentence : str
-        The same in words.
     """
 
     words: str
     separation: float
     told: str
     cost: float
-    sentence: str
+
+    @property
+    def sentence(self) -> str:
+        """The same in words."""
+        return f"Measure {self.words}: {self.told}."
 
 
 def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], progress: Progress = quiet) -> tuple[Suggestion, ...]:
@@ -119,9 +121,7 @@ def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], pr
         except (InputError, SolveError):
             continue
         worth = float(np.minimum(apart, ENOUGH).mean()) / plan.cost
-        told = _told(apart)
-        sentence = f"Measure {plan.words}: {told}."
-        found.append((worth, Suggestion(words=plan.words, separation=float(apart.min()), told=told, cost=plan.cost, sentence=sentence)))
+        found.append((worth, Suggestion(words=plan.words, separation=float(apart.min()), told=_told(apart), cost=plan.cost)))
     progress("what to measure next", len(plans), len(plans))
     return tuple(one for _, one in sorted(found, key=lambda both: -both[0]))
 

@@ -13,7 +13,8 @@ from gearfem.assembly import assemble
 from gearfem.contact.scaled import evened
 from gearfem.definition.setup import GearPair, Member
 from gearfem.diagnosis.bench import Oscillator, Peaks, Settings, Swing, Weights
-from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.campaign import Campaign
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.dynamics.turns import kw_places, march_turns
 from gearfem.dynamics.turns_plan import make_plan
 from gearfem.effects.effect import Effect

@@ -14,7 +14,7 @@ from scipy.interpolate import BSpline
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Bench, Settings, Swing, Weights
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.foundation import Array, Record
 from gearfem.foundation.units import UM
 

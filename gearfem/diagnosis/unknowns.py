@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.campaign import Campaign, Measurement
+from gearfem.diagnosis.campaign import Campaign
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.nuisances import BUILD, MOVING, Nuisance, moved_settings, nuisances_of
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.foundation import Array, Record

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.signal import argrelmin
 
 from gearfem.diagnosis.bench import Bench, Settings
-from gearfem.diagnosis.campaign import Measurement
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.foundation import Array
 
 HARMONICS = 6

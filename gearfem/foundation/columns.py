@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import dataclasses
-import io
 import math
 from pathlib import Path
 from typing import Any
@@ -79,7 +78,7 @@ def read_columns(path: str | Path, headers: tuple[tuple[str, ...], ...], fewest:
 def _lines(path: str | Path) -> list[str]:
     try:
         # Lines end where text files end them: a form feed in a comment is no end.
-        return list(io.StringIO(Path(path).read_text(encoding="utf-8-sig"), newline=None))
+        return Path(path).read_text(encoding="utf-8-sig").split("\n")
     except FileNotFoundError:
         raise InputError("file", "no such file", "the path of a CSV file", str(path)) from None
     except OSError as error:

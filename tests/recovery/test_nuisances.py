@@ -11,11 +11,12 @@ from scipy.integrate import solve_ivp
 
 from gearfem.assembly import assemble
 from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights, neutral
-from gearfem.diagnosis.campaign import Campaign, Measurement, make_record
+from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.localise import localise
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
+from gearfem.diagnosis.measurement import Measurement, make_record
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.roles import Role
 from gearfem.diagnosis.smooth import fit_smooth
@@ -249,9 +250,11 @@ def test_zones_cover_the_cycle_once() -> None:
     assert np.mean(alone == inside[:, ZONES.index("single")]) > 0.99
 
 
-def test_a_record_in_nanometres_is_refused() -> None:
+@pytest.mark.parametrize("noise", [1.0, 1e3])
+def test_a_record_in_nanometres_is_refused(noise: float) -> None:
+    """Whatever unit its noise is stated in."""
     whole = campaign(1)
-    records = tuple(dataclasses.replace(record, value=1e3 * record.value) for record in whole.records)
+    records = tuple(dataclasses.replace(record, value=1e3 * record.value, noise_std=noise * STD) for record in whole.records)
     with pytest.raises(InputError, match=r"te_10.csv: column transmission_error_um.*wrong by 10\^3"):
         compare(dataclasses.replace(whole, records=records), SCATTER, lambda _: SPRINGS)
 

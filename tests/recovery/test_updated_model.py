@@ -13,7 +13,7 @@ import pytest
 from gearfem.assembly import assemble
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.calibrate import calibrated
-from gearfem.diagnosis.campaign import Measurement, make_record
+from gearfem.diagnosis.measurement import Measurement, make_record
 from gearfem.diagnosis.system_bench import STRIDE, SystemBench
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.catalogue import catalogue, read_effects

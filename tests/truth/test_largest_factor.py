@@ -10,8 +10,8 @@ import pytest
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.campaign import make_record
 from gearfem.diagnosis.largest import at_peaks, largest_of
+from gearfem.diagnosis.measurement import make_record
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.foundation.units import UM

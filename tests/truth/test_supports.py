@@ -12,8 +12,8 @@ from gearfem.assembly import assemble
 from gearfem.definition.drive_parts import Support
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.campaign import make_record
 from gearfem.diagnosis.largest import at_peaks
+from gearfem.diagnosis.measurement import make_record
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.dynamics import DriveTrain, elastic_motion, modes, unloaded_transport

@@ -11,7 +11,7 @@ import pytest
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.campaign import make_record
+from gearfem.diagnosis.measurement import make_record
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.effects.sensor_gain import SensorGain

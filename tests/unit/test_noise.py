@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from gearfem.diagnosis.campaign import Measurement, make_record
 from gearfem.diagnosis.marginal import marginal
+from gearfem.diagnosis.measurement import Measurement, make_record
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.whitening import make_whitener
 from gearfem.model import make_setup

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Campaign, Measurement, make_record
+from gearfem.diagnosis.campaign import Campaign
+from gearfem.diagnosis.measurement import Measurement, make_record
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.unknowns import unknowns_of
 from gearfem.model import make_setup
