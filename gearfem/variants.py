@@ -57,6 +57,8 @@ class Variant:
         Takes a System and the value of the field, and returns what would do the same: an effect, where the catalogue has one.
     size : float
         One standard deviation: a factor, or what is added [SI].
+    unit : str
+        Unit of the value in reports; empty for a number.
     is_scale : bool
         Whether it multiplies.
     least, most : float
@@ -68,6 +70,7 @@ class Variant:
     cause: Callable[[System, float], Cause]
     size: float
     is_scale: bool
+    unit: str = ""
     least: float = -4.0
     most: float = 4.0
 
@@ -157,6 +160,7 @@ VARIANTS = (
         cause=partial(just, LeadMisalignment, "slope"),
         size=1.0 * UM,
         is_scale=False,
+        unit="um",
         least=0.0,
     ),
     Variant(
@@ -165,6 +169,7 @@ VARIANTS = (
         cause=partial(just, CentreDistance, "amount"),
         size=20.0 * UM,
         is_scale=False,
+        unit="um",
         least=-2.0,
     ),
 )

@@ -10,6 +10,7 @@ from gearfem.diagnosis.campaign import read_campaign
 from gearfem.diagnosis.diagnose import choose, diagnose
 from gearfem.diagnosis.write import refuse_to_replace, write_diagnosis
 from gearfem.effects.catalogue import catalogue, effects_from
+from gearfem.foundation.files import together
 from gearfem.foundation.progress import Progress
 from gearfem.report import write_diagnosis_report
 
@@ -45,7 +46,8 @@ def run_diagnosis(
     read = read_campaign(campaign)
     refuse_to_replace(read, out)
     found = diagnose(read, kinds, progress)
-    pictures = write_diagnosis_report(found, out)
+    with together(out) as draft:
+        pictures = [out / drawn.name for drawn in write_diagnosis_report(found, draft)]
     # The verdict comes last: where it is, everything is.
     files = write_diagnosis(found, out)
     lines = [f"{found.naming.verdict}: {found.naming.sentence}", *found.proof.reasons]

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import signal
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import click
@@ -51,21 +54,21 @@ class Commands(click.Group):
             _end(ctx, f"error: {error}", FAILED)
         except KeyboardInterrupt:
             _end(ctx, "interrupted", INTERRUPTED)
-        except RuntimeError:
-            if not lost:
-                raise
-            _end(ctx, "interrupted", INTERRUPTED)
         except OSError as error:
             # click itself ends quietly where the reader of a pipe has gone.
             if error.errno == errno.EPIPE:
                 raise
             _end(ctx, f"error: {error.filename or 'file'}: {(error.strerror or str(error)).lower()}", FAILED)
+        except Exception:
+            if not lost:
+                raise
+            _end(ctx, "interrupted", INTERRUPTED)
         return None
 
 
 @contextlib.contextmanager
 def _told_of(lost: list[str]) -> Iterator[None]:
-    """Note interrupts that are lost where Python cannot raise them, as in the middle of a compilation, which then fails."""
+    """Note interrupts, since some end as another error, as in the middle of a compilation or an import; end at SIGTERM as at Ctrl-C."""
     usual = sys.unraisablehook
 
     def hook(event: sys.UnraisableHookArgs) -> None:
@@ -74,11 +77,24 @@ def _told_of(lost: list[str]) -> Iterator[None]:
         else:
             usual(event)
 
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        lost.append("interrupt")
+        raise KeyboardInterrupt
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        # Whatever is half written or computing in children goes on the way out.
+        raise SystemExit(128 + number)
+
     sys.unraisablehook = hook
+    # Python lets the main thread alone have signals.
+    handlers = {signal.SIGINT: interrupt, signal.SIGTERM: terminate} if threading.current_thread() is threading.main_thread() else {}
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     try:
         yield
     finally:
         sys.unraisablehook = usual
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _end(ctx: click.Context, line: str, status: int) -> None:
@@ -125,7 +141,8 @@ def _try_out(path: Path) -> None:
     missing = [folder for folder in (path, *path.parents) if not folder.exists()]
     try:
         path.mkdir(parents=True, exist_ok=True)
-        Path(tempfile.mkdtemp(dir=path)).rmdir()
+        with tempfile.TemporaryDirectory(dir=path):
+            pass
     finally:
         for folder in missing:
             with contextlib.suppress(OSError):

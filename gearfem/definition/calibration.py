@@ -8,6 +8,9 @@ import numpy as np
 
 from gearfem.foundation import Array, Record
 
+# Bounds of scales of which each fit takes a part.
+COUPLING_SCALE, TIP_EDGE_SCALE = (0.0, 3.0), (0.01, 3.0)
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Calibration(Record):
@@ -43,6 +46,8 @@ class Calibration(Record):
         Index errors along the line of action [m], positive late; empty: none.
     offsets : tuple of (str, float)
         Files of records and the constants in them [m].
+    firsts : tuple of (str, int)
+        Files of records over the teeth of a gear and the teeth that they begin with, where they do not begin with tooth 0.
     """
 
     stiffness_scale: float = 1.0
@@ -64,7 +69,12 @@ class Calibration(Record):
     pinion_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
     wheel_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
     offsets: tuple[tuple[str, float], ...] = ()
+    firsts: tuple[tuple[str, int], ...] = ()
 
     def offset(self, file: str) -> float:
         """Return the constant in a record [m], 0 where none was fitted."""
         return dict(self.offsets).get(file, 0.0)
+
+    def first_tooth(self, file: str) -> int:
+        """Return the tooth that a record over the teeth of a gear begins with."""
+        return dict(self.firsts).get(file, 0)

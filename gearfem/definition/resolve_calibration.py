@@ -59,4 +59,5 @@ def resolve_calibration(table: CalibrationTable, teeth: tuple[int, int]) -> Cali
         pinion_late=late[0],
         wheel_late=late[1],
         offsets=tuple((entry.file, entry.offset_um * UM) for entry in table.record),
+        firsts=tuple((entry.file, entry.first_tooth) for entry in table.record if entry.first_tooth),
     )

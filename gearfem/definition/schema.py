@@ -7,6 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from gearfem.definition.calibration import COUPLING_SCALE, TIP_EDGE_SCALE
+
 # The upper bound only keeps products of given numbers finite; no gear comes near it in any of the units used.
 Positive = Annotated[float, Field(gt=0.0, lt=1e9)]
 Stiff = Annotated[float, Field(gt=0.0, lt=1e15)]
@@ -127,10 +129,11 @@ class DriveTable(Table):
 
 
 class RecordOffsetTable(Table):
-    """[[calibration.record]]: the constant of one record."""
+    """[[calibration.record]]: the constant of one record, and the tooth that one over teeth begins with."""
 
     file: Title
     offset_um: Annotated[float, Field(ge=-1e15, le=1e15)]
+    first_tooth: Annotated[int, Field(ge=0, le=100_000)] = 0
 
 
 class CalibrationTable(Table):
@@ -142,8 +145,8 @@ class CalibrationTable(Table):
     damping_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
     gain: Annotated[float, Field(ge=0.1, le=10.0)] = 1.0
     series_compliance_um_per_N: Annotated[float, Field(ge=-1.0, le=1.0)] = 0.0
-    coupling_scale: Annotated[float, Field(ge=0.0, le=3.0)] = 1.0
-    tip_edge_scale: Annotated[float, Field(ge=0.01, le=3.0)] = 1.0
+    coupling_scale: Annotated[float, Field(ge=COUPLING_SCALE[0], le=COUPLING_SCALE[1])] = 1.0
+    tip_edge_scale: Annotated[float, Field(ge=TIP_EDGE_SCALE[0], le=TIP_EDGE_SCALE[1])] = 1.0
     contact_compliance_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
     body_compliance_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0
     contact_depth_scale: Annotated[float, Field(ge=0.01, le=100.0)] = 1.0

@@ -10,6 +10,7 @@ from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.name import name
 from gearfem.diagnosis.prove import prove
 from gearfem.diagnosis.rank import rank
+from gearfem.diagnosis.search import score
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.system_bench import bench_of
 from gearfem.diagnosis.write import write_diagnosis
@@ -30,6 +31,7 @@ __all__ = [
     "prove",
     "rank",
     "read_campaign",
+    "score",
     "suggest",
     "write_diagnosis",
 ]

@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+import numpy as np
+
 from gearfem.assembly import assemble
-from gearfem.definition.calibration import Calibration
+from gearfem.definition.calibration import COUPLING_SCALE, TIP_EDGE_SCALE, Calibration
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings
 from gearfem.effects.effect import Effect
@@ -45,8 +47,8 @@ def calibration_of(known: Calibration, settings: Settings) -> Calibration:
         damping_scale=known.damping_scale * settings.damping_scale,
         gain=known.gain * settings.gain,
         series_compliance=known.series_compliance + settings.series_compliance,
-        coupling_scale=known.coupling_scale * settings.coupling_scale,
-        tip_edge_scale=known.tip_edge_scale * settings.tip_edge_scale,
+        coupling_scale=float(np.clip(known.coupling_scale * settings.coupling_scale, *COUPLING_SCALE)),
+        tip_edge_scale=float(np.clip(known.tip_edge_scale * settings.tip_edge_scale, *TIP_EDGE_SCALE)),
         evenness=known.evenness + settings.evenness - known.evenness * settings.evenness,
         angle_offset=known.angle_offset + settings.angle_offset,
         pinion_late=known.pinion_late + settings.pinion_late if known.pinion_late.size else settings.pinion_late,

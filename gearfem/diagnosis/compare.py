@@ -58,7 +58,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     Raises
     ------
     InputError
-        If a record is in another unit than it says, or taken at another speed.
+        If a record is in another unit than it says, or taken at another speed; if there is none to fit, or no campaign.
 
     Notes
     -----
@@ -67,6 +67,10 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     by row (`of_single_teeth`), by turns: in the means the slow records come first, then the compliance in series and the damping that suit
     motions, then all, from several places where nuisances stray. Those that do the work of a missing effect still do then, see `screened`.
     """
+    if not isinstance(campaign, Campaign):
+        raise InputError("campaign", f"{campaign!r:.60}", "a Campaign, from read_campaign(...)")
+    if not campaign.fitted:
+        raise InputError("record", "no record of role fit", "at least one record that is not held out", campaign.path)
     records, pair = campaign.fitted, campaign.setup.pair
     noises = tuple(measure_noise(record, pair) for record in records)
     make: BenchOf = bench or partial(bench_of, campaign)

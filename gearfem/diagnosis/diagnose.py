@@ -28,6 +28,8 @@ from gearfem.foundation.progress import Progress, quiet
 
 # Draws of noise behind each map.
 DRAWS = 100
+# Turns in which means and single teeth are fitted at most, and what one must gain for another.
+TURNS, SETTLED = 4, 1.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,6 +48,8 @@ class Diagnosis(Record):
         Named effects against records that were held out.
     suggestions : tuple of Suggestion
         What to measure next, the best first; empty unless the verdict is ambiguous.
+    tried : tuple of str
+        Names of the effects that it chose among.
     """
 
     comparison: Comparison
@@ -54,6 +58,7 @@ class Diagnosis(Record):
     naming: Naming
     proof: Proof
     suggestions: tuple[Suggestion, ...]
+    tried: tuple[str, ...]
 
     @property
     def problem(self) -> Problem:
@@ -109,8 +114,6 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
         naming = name(problem, alone, kinds)
         proof = prove(problem, naming.fit, alone)
     """
-    if not campaign.fitted:
-        raise InputError("record", "no record of role fit", "at least one record that is not held out", campaign.path)
     comparison = compare(campaign, progress=progress)
     problem, alone = comparison.problem, comparison.alone
     before = localise(comparison, draws=DRAWS, progress=progress)
@@ -121,7 +124,9 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     if held.fit is not naming.fit:
         after, proof = before, prove(problem, held.fit, held.alone, progress)
     naming = held
-    draft = Diagnosis(comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=())
+    draft = Diagnosis(
+        comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=(), tried=tuple(sorted(kinds))
+    )
     rivals = [rival.effects for rival in draft.alternatives]
     return dataclasses.replace(draft, suggestions=suggest(problem, naming.fit, rivals, progress)) if rivals else draft
 
@@ -133,17 +138,22 @@ def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude:
     ----------
     kinds : mapping of str to type
         All of them.
-    only : iterable of str
+    only : iterable of str, or str
         Names of those that are allowed; none: all.
-    exclude : iterable of str
+    exclude : iterable of str, or str
         Names of those that are not.
+
+    Returns
+    -------
+    mapping of str to type
+        The same, those that are left.
 
     Raises
     ------
     InputError
         If there is no effect of a name, or none is left.
     """
-    wanted, unwanted = set(only), set(exclude)
+    wanted, unwanted = ({names} if isinstance(names, str) else set(names) for names in (only, exclude))
     for option, names in (("--only", wanted), ("--exclude", unwanted)):
         for word in sorted(names - set(kinds)):
             close = difflib.get_close_matches(word, kinds, n=1, cutoff=0.5)
@@ -154,24 +164,59 @@ def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude:
     return left
 
 
-def fit(problem: Problem, effects: Iterable[Effect], start: Fit) -> Fit:
+def fit(problem: Problem, effects: Iterable[Effect] | Effect, start: Fit, progress: Progress = quiet) -> Fit:
     """Fit given effects, whatever the ranking says of them: those of all teeth to the means over the pitches, others row by row.
 
     Parameters
     ----------
     problem : Problem
         From `compare`; stays prepared as it is.
-    effects : iterable of Effect
-        With the values to begin from; gears and teeth stay.
+    effects : iterable of Effect, or Effect
+        With the values to begin from; gears and teeth stay. None: the nuisances alone, to set others beside.
     start : Fit
         Whose nuisances the fit begins with: nuisances alone, or an earlier fit.
+    progress : Progress
+        Told how far the fit is.
+
+    Returns
+    -------
+    Fit
+        To be compared by `score` with others from here.
+
+    Raises
+    ------
+    InputError
+        If an effect is none, or not on these gears.
+    SolveError
+        If the model cannot be computed where the fit begins.
+
+    Notes
+    -----
+    By turns, as `name` does it: means with single teeth standing still, and these with the means, until that gains little.
     """
-    chosen = tuple(effects)
+    chosen = (effects,) if isinstance(effects, Effect) else tuple(effects)
+    for effect in chosen:
+        if not isinstance(effect, Effect):
+            raise InputError("effects", f"{effect!r:.60}", "effects with values to begin from, as TipRelief(...)")
+        effect.check(problem.campaign.setup)
     if not has_means(problem):
         return again(copy.copy(problem), chosen, start.point.unknown)
-    whole, single = (tuple(e for e in chosen if shows_in_means(e) == both) for both in (True, False))
-    mean = averaged(problem, start.settings, single)
-    fitted = again(mean, whole, mean.unknowns.of(start.settings))
+    best, here = None, dataclasses.replace(start, effects=chosen)
+    for number in range(TURNS):
+        progress("fit", number, TURNS)
+        here = _turn(problem, here)
+        if best is not None and here.objective > best.objective - SETTLED:
+            break
+        best = here
+    progress("fit", TURNS, TURNS)
+    assert best is not None
+    return min(best, here, key=lambda one: one.objective)
+
+
+def _turn(problem: Problem, fit: Fit) -> Fit:
+    """Return a fit once its nuisances and effects of all teeth are fitted to means anew, and single teeth under these."""
+    common, single = (tuple(e for e in fit.effects if shows_in_means(e) == both) for both in (True, False))
+    mean = averaged(problem, fit.settings, single)
+    fitted = again(mean, common, mean.unknowns.of(fit.settings))
     teeth = of_single_teeth(problem, fitted.settings, fitted.effects)
-    own = again(teeth, single, np.zeros(teeth.unknowns.wrong.stop))
-    return stand(copy.copy(problem), fitted, teeth, own)
+    return stand(copy.copy(problem), fitted, teeth, again(teeth, single, np.zeros(teeth.unknowns.wrong.stop)))

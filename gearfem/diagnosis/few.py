@@ -14,7 +14,7 @@ from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.nuisances import BUILD
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search
-from gearfem.diagnosis.verdict import Naming, Rival, closure, gap_left, sentence_of
+from gearfem.diagnosis.verdict import Naming, Rival, closure, gap_left, gaps, sentence_of
 from gearfem.foundation.progress import Progress
 
 # Chance of a gap as wide in noise and nuisances alone, below which it is one.
@@ -54,7 +54,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     problem, alone, setup = search.problem, search.alone, search.problem.campaign.setup
     chance, with_errors = (float(chi2.sf(_square(problem, search, own), len(alone.white))) for own in (False, True))
     seen = (
-        f"Nuisances alone leave {gap_left(alone, problem):.2f} times what counts as a gap.",
+        f"Nuisances alone leave {gaps(gap_left(alone, problem))}.",
         f"Noise, single teeth and scales within their priors make a gap as wide with a chance of {chance:.2g}; "
         f"with errors of our own model, as how neighbour teeth are coupled, of {with_errors:.2g}.",
     )

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.index_errors import deviating
 from gearfem.diagnosis.marginal import Marginal
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.sheets import Domain, Sheet, sheets_of
+from gearfem.diagnosis.straying import LOST
 from gearfem.diagnosis.zones import WORDS
-from gearfem.foundation import Array, Record
+from gearfem.effects.effect import MEMBERS
+from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.units import UM
 
-DRAWS = 300
+DRAWS, FEWEST = 300, 10
 # Draws that are held in memory at a time.
 SLICE = 50
 CHANCE = 0.01
@@ -64,7 +70,7 @@ class Place(Record):
     record, domain, zone : str
         As the format of `diagnosis.json` has them.
     share_of_residual, significance : float
-        Of its cell.
+        Of its cell; of index errors the part of all their squares, and how many deviations of the others.
     sentence : str
         The same in words.
     """
@@ -86,7 +92,8 @@ class Localisation(Record):
     maps : tuple of Map
         All of them.
     where : tuple of Place
-        Significant places, the strongest first.
+        Teeth and turns that stand out in the index errors, which take up what single teeth do; then significant places, the strongest
+        first.
     largest : float
         Largest significance of any cell.
     p_value : float
@@ -128,12 +135,19 @@ def localise(comparison: Comparison, fit: Fit | None = None, draws: int = DRAWS,
     -------
     Localisation
 
+    Raises
+    ------
+    InputError
+        If there are fewer than ten draws.
+
     Notes
     -----
     A draw is white noise, plus nuisances and model form from their priors, freed from the nuisances as the data are: cells are
     compared with what the fit leaves of noise. The global test takes the largest of all cells of all maps, so that their number
     needs no further correction.
     """
+    if draws < FEWEST:
+        raise InputError("draws", draws, f"{FEWEST} or more")
     fit = fit or comparison.alone
     sheets = sheets_of(comparison.problem, fit.settings.angle_offset)
     tables = _tables(comparison.problem.whole.weighed(fit.point.weights), sheets, draws, seed, progress)
@@ -147,7 +161,13 @@ def localise(comparison: Comparison, fit: Fit | None = None, draws: int = DRAWS,
     gap = p_value < CHANCE
     where = _ranked(maps, float(np.quantile(peaks, 1.0 - CHANCE))) if gap else ()
     return Localisation(
-        maps=tuple(maps), where=where, largest=largest, p_value=p_value, gap=gap, draws=draws, sentence=_sentence(gap, p_value, where)
+        maps=tuple(maps),
+        where=(*_taken_up(comparison.problem, fit), *where),
+        largest=largest,
+        p_value=p_value,
+        gap=gap,
+        draws=draws,
+        sentence=_sentence(gap, p_value, where),
     )
 
 
@@ -190,6 +210,37 @@ def _map(sheet: Sheet, root: Array, mean: Array, spread: Array, expected: Array)
         significance=(root - mean) / spread,
         share=np.minimum(above / whole, 1.0) if whole > 0.0 else np.zeros(len(above)),
     )
+
+
+def _taken_up(problem: Problem, fit: Fit) -> Iterator[Place]:
+    """Yield teeth, and waves of a turn, whose index errors stand out: a fit leaves nothing of what they do."""
+    pair, late = problem.campaign.setup.pair, (fit.settings.pinion_late, fit.settings.wheel_late)
+    angles = [record for record in problem.records if record.quantity.axis == "angle"]
+    squares = max(sum(float(own @ own) for own in late), 1e-300)
+    for member, own, turn, (teeth, waves) in zip(MEMBERS, late, (1.0, 1.0 / pair.ratio), deviating(problem, fit), strict=False):
+        for tooth in np.flatnonzero(teeth > LOST):
+            apart = float(own[tooth] - np.median(own))
+            size = f"{abs(apart) / UM:.3g} um {'late' if apart > 0.0 else 'early'}, {teeth[tooth]:.1f} times the scatter of the others"
+            yield Place(
+                record=angles[0].file,
+                domain="tooth",
+                zone=f"{member}:{tooth}",
+                share_of_residual=min(apart**2 / squares, 1.0),
+                significance=float(teeth[tooth]),
+                sentence=f"tooth {tooth} of the {member}, or one that meets it, is {size}: index errors have taken it up",
+            )
+        number = int(np.argmax(waves))
+        if waves[number] > LOST:
+            amplitude = float(abs(np.fft.rfft(own)[number + 1])) * 2.0 / own.size
+            yield Place(
+                record=angles[0].file,
+                domain="order",
+                zone=f"{(number + 1) * turn:.6g}",
+                share_of_residual=min(0.5 * amplitude**2 * own.size / squares, 1.0),
+                significance=float(waves[number]),
+                sentence=f"a wave of {amplitude / UM:.3g} um goes {number + 1} times round the {member}, "
+                f"{waves[number]:.1f} times what its teeth have by chance: index errors have taken it up",
+            )
 
 
 # ---- in words -------------------------------------------------------------------------------------------

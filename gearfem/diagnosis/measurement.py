@@ -12,6 +12,7 @@ from gearfem.definition.setup import Member
 from gearfem.diagnosis.quantities import QUANTITIES, Quantity
 from gearfem.diagnosis.roles import Role
 from gearfem.foundation import Array, Record
+from gearfem.sensing import Request, requests
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -65,6 +66,17 @@ class Measurement(Record):
     def to_file(self) -> float:
         """Factor from SI to the unit of the file's measured column."""
         return 1.0 / self.quantity.factors[1]
+
+    def request(self, first_tooth: int = 0) -> Request:
+        """Return what a model is asked for to foretell the record, see `gearfem.sensing.observe`; of teeth, that it begins with one."""
+        return requests()[self.quantity.name](
+            axis=self.axis + first_tooth,
+            pinion_torque=self.pinion_torque,
+            pinion_speed=self.pinion_speed,
+            gear=self.gear or "pinion",
+            tooth=self.tooth or 0,
+            file=self.file,
+        )
 
     def over(self, axis: Array) -> Measurement:
         """Return a record of the same conditions over another axis, shape (n,), without values."""

@@ -28,7 +28,7 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label, near_by
 from gearfem.diagnosis.select import select
-from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.verdict import REST, Naming, Rival, Verdict, closure, explains, gap_left, judge, sentence_of, turning
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -119,7 +119,7 @@ def _of_means(
 
 def _first(naming: Naming) -> list[Fit]:
     """Return the fits of the best explanations."""
-    fits = {label(fit.effects): fit for fit in (naming.best, *(rival.fit for rival in naming.rivals)) if fit.effects}
+    fits = {label(fit.effects): fit for fit in (naming.best, *(rival.fit for rival in naming.rivals if not rival.early)) if fit.effects}
     return list(fits.values())[:BEGUN]
 
 
@@ -168,11 +168,9 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
                     break
         return attained
 
-    costs: dict[Rival, float] = {}
-    for one, least in zip((own, *near), side_by_side(fitted, (own, *near)), strict=True):
-        progress("rivals row by row", len(costs), 1 + len(near))
-        costs[one] = one.score_difference + least
-    progress("rivals row by row", 1 + len(near), 1 + len(near))
+    both = (own, *near)
+    attained = counted(fitted, both, progress, "rivals row by row")
+    costs = {one: one.score_difference + least for one, least in zip(both, attained, strict=True)}
     least, threshold = min(costs.values()), max(naming.threshold, BY_ROWS)
     if not math.isfinite(least):
         return naming

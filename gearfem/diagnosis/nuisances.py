@@ -57,7 +57,7 @@ class Nuisance(Record):
     @property
     def unit(self) -> str:
         """Unit in which files give it; empty for a scale."""
-        return {"angle_offset": "rad", "series_compliance": "um_per_N"}.get(self.name, "")
+        return {"angle_offset": "rad", "series_compliance": "um/N"}.get(self.name, "")
 
     def value(self, moved: float) -> float:
         """Return the value of the setting so many prior deviations from the model's."""

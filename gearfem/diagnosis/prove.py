@@ -19,16 +19,19 @@ from gearfem.diagnosis.largest import at_peaks, expected
 from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import Noise, measure_noise
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.roles import Role
+from gearfem.diagnosis.roles import ROLES, Role
 from gearfem.diagnosis.smooth import Smooth, fit_smooth
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import tooth_columns
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
-from gearfem.sensing import Request, System, observe, requests
+from gearfem.foundation.units import digits
+from gearfem.sensing import System, observe
 
 # Part of a record over which what is left may be alike.
 BLOCKS = 10
+# What a record may be left with, in parts of its floor, before that is said.
+WIDE = 2.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,7 +89,7 @@ class Gap(Record):
 
     @property
     def closure(self) -> float:
-        """Share of the gap above the floor that is closed; 1 is all of it, and all of it where there is none."""
+        """Share of the gap above the floor that is closed; 1 is all of it, and all of it where there is none; below 0 it is wider."""
         before, after, floor = (value**2 for value in (self.rms(self.before), self.rms(self.after), self.floor_rms))
         return 1.0 - max(after - floor, 0.0) / (before - floor) if before > floor else 1.0
 
@@ -190,24 +193,13 @@ def _left(record: Measurement, system: System) -> tuple[Array, float, int]:
     best: tuple[Array, float, int] | None = None
     least = math.inf
     for first in firsts:
-        gap = record.value - observe(system, _request(record, first))
+        gap = record.value - observe(system, record.request(first))
         offset = float(gap[record.keep].mean()) if record.quantity.free_constant else 0.0
         size = float(np.sum((gap[record.keep] - offset) ** 2))
         if size < least:
             best, least = (gap - offset, offset, first), size
     assert best is not None
     return best
-
-
-def _request(record: Measurement, first: int) -> Request:
-    return requests()[record.quantity.name](
-        axis=record.axis + first,
-        pinion_torque=record.pinion_torque,
-        pinion_speed=record.pinion_speed,
-        gear=record.gear or "pinion",
-        tooth=record.tooth or 0,
-        file=record.file,
-    )
 
 
 def _parametric(record: Measurement, fit: Fit, setup: Setup, left: Array) -> float:
@@ -260,9 +252,12 @@ def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, 
 
 def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     held = [gap for gap in gaps if gap.role == "holdout"]
+    still = tuple(_wide(gap) for gap in gaps if gap.rms(gap.after) > WIDE * gap.floor_rms)
     if not held or not named:
         words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named else ()
-        return Proof(records=gaps, over_nuisances=None, over_smooth=None, foretold=None, stderr=None, stands=False, reasons=words)
+        return Proof(
+            records=gaps, over_nuisances=None, over_smooth=None, foretold=None, stderr=None, stands=False, reasons=(*words, *still)
+        )
     after, alone = _pooled([(gap, gap.after) for gap in held]), _pooled([(gap, gap.nuisances_only) for gap in held])
     corrected = [gap for gap in held if gap.smooth.size]
     over_nuisances = alone / after
@@ -270,9 +265,9 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     foretold = math.hypot(1.0, _pooled([(gap, gap.nuisances_only - gap.after) for gap in held]) / after)
     stderr = _doubt(held) / (2.0 * after**2 * over_nuisances)
     stands = over_nuisances > 1.0 and (over_smooth is None or over_smooth > 1.0)
-    reasons = [f"{_words('nuisances alone', over_nuisances)} The standard error of this ratio is {stderr:.2g}."]
+    compared = [f"{_words('nuisances alone', over_nuisances)} The standard error of this ratio is {stderr:.2g}."]
     if over_smooth is not None:
-        reasons.append(_words("a free smooth correction", over_smooth))
+        compared.append(_words("a free smooth correction", over_smooth))
     return Proof(
         records=gaps,
         over_nuisances=over_nuisances,
@@ -280,8 +275,16 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
         foretold=foretold,
         stderr=stderr,
         stands=stands,
-        reasons=tuple(reasons),
+        reasons=(*compared, *still),
     )
+
+
+def _wide(gap: Gap) -> str:
+    """Return what stays open of a record."""
+    scale, unit = gap.measurement.to_file, gap.measurement.quantity.unit
+    before, after, floor = (digits(size * scale) for size in (gap.rms(gap.before), gap.rms(gap.after), gap.floor_rms))
+    left = f"{after} {unit}".rstrip() + f" are left, {gap.rms(gap.after) / gap.floor_rms:.1f} times the floor of {floor}"
+    return f"{gap.measurement.file}, {ROLES[gap.role]}: {left}, {'more than' if gap.closure < 0.0 else 'for'} {before} before."
 
 
 def _pooled(gaps: list[tuple[Gap, Array]]) -> float:

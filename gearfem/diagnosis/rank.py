@@ -18,7 +18,7 @@ from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.ringing import rung
 from gearfem.diagnosis.shapes import bounded, scanned, shapes_of, spread_of, stands
-from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.turning import turned, turns
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -101,10 +101,8 @@ def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]]
         tried += [candidate_of(view, *late) for late in late_tooth(problem, view.base, *job)]
         return [candidate for candidate in tried if candidate is not None]
 
-    for number, several in enumerate(side_by_side(one, jobs)):
-        progress(words, number, len(jobs))
+    for several in counted(one, jobs, progress, words):
         found += several
-    progress(words, len(jobs), len(jobs))
     return tuple(sorted(found, key=lambda candidate: -candidate.gain))
 
 

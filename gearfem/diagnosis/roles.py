@@ -8,6 +8,7 @@ from typing import Literal
 from gearfem.diagnosis.quantities import Quantity
 
 Role = Literal["fit", "holdout"]
+ROLES: dict[Role, str] = {"fit": "fitted", "holdout": "held out"}
 Condition = tuple[Quantity, float, float]
 # Fewer than two torques, or two speeds, left to fit decide nothing about how an effect grows.
 ENOUGH = 3

@@ -13,7 +13,7 @@ from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.shapes import bounded, shapes_of, stands
-from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.straying import beyond
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -68,14 +68,10 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
         except (InputError, SolveError):
             return fit
 
-    found, words = [], "effects in the place of nuisances"
-    for number, fit in enumerate(side_by_side(looked_at, jobs)):
-        progress(words, number, len(jobs))
-        found += [fit] if fit is not None else []
-    progress(words, len(jobs), len(jobs))
-    nearest = side_by_side(fitted, sorted(found, key=lambda fit: fit.objective)[:MOST])
-    ranked = sorted(nearest, key=lambda fit: fit.objective)
-    return list(side_by_side(lambda fit: (fit.effects, _to_motions(problem, alone, fit)), ranked))
+    found = [fit for fit in counted(looked_at, jobs, progress, "effects in the place of nuisances") if fit is not None]
+    first = sorted(found, key=lambda fit: fit.objective)[:MOST]
+    ranked = sorted(counted(fitted, first, progress, "the best of them again"), key=lambda fit: fit.objective)
+    return list(counted(lambda fit: (fit.effects, _to_motions(problem, alone, fit)), ranked, progress, "the same at speed"))
 
 
 def _to_motions(problem: Problem, alone: Fit, fit: Fit) -> Array:

@@ -8,14 +8,14 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
-from scipy.stats import median_abs_deviation
 
 from gearfem.diagnosis.approach import LOST, unwound
 from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.index_errors import uneven
 from gearfem.diagnosis.mimic import mimicked
 from gearfem.diagnosis.parameters import faint, overdone
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.straying import STRAYED, beyond
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -38,10 +38,6 @@ NEAR, RIVALS = 0.3, 3
 FAR = 2.0
 # Share of what a further name must gain that a fit with one must promise beside the one it builds on, or it is given up.
 LITTLE = 0.5
-# Waves a turn of index errors that are looked at.
-WAVES = 3
-# Part of an index error that counts as told at least: of teeth of which records tell next to nothing none stands out.
-TOLD = 0.5
 # What a parameter costs that ends at a bound: the shape wants to be another one.
 AT_BOUND = 30.0
 
@@ -80,10 +76,8 @@ class Search:
             except (InputError, SolveError):
                 return None
 
-        for number, found in enumerate(side_by_side(one, new)):
-            progress(words, number, len(new))
+        for found in counted(one, new, progress, words):
             self._keep(found)
-        progress(words, max(len(new), 1), max(len(new), 1))
 
     def start(self, start: Start, base: Fit) -> Array:
         """Return the nuisances from which effects leave least: those of a fit without them, scales as the model has them, or the start's.
@@ -124,10 +118,8 @@ class Search:
             except (InputError, SolveError):
                 return None
 
-        for number, found in enumerate(side_by_side(one, starts)):
-            progress(words, number, len(starts))
+        for found in counted(one, starts, progress, words):
             self._keep(found)
-        progress(words, max(len(starts), 1), max(len(starts), 1))
 
     def instead(self, progress: Progress) -> bool:
         """Fit the nuisances alone from where one of them does what a single effect has gained by; return whether they leave less then.
@@ -169,10 +161,8 @@ class Search:
 
     def _renew(self, one: Callable[[Fit], Fit], fits: Sequence[Fit], progress: Progress, words: str) -> None:
         """Put what becomes of fits in their place."""
-        for number, fit in enumerate(side_by_side(one, fits)):
-            progress(words, number, len(fits))
+        for fit in counted(one, fits, progress, words):
             self.fits[label(fit.effects)] = fit
-        progress(words, max(len(fits), 1), max(len(fits), 1))
 
     def first(self, most: int) -> list[Fit]:
         """Return the best explanations with effects, at most so many."""
@@ -189,20 +179,9 @@ class Search:
         near = [fit for fit in others if self.score(fit) - least < NEAR * gained][:RIVALS]
         return near + [fit for key, fit in self.fits.items() if key in parts and all(fit is not other for other in near)]
 
-    def cost(self, effects: tuple[Effect, ...]) -> float:
-        """Return what an explanation pays for its parameters and for the teeth and gears among which it was chosen."""
-        pair = self.problem.campaign.setup.pair
-        total = 0.0
-        for effect in effects:
-            total += PARAMETER * len(effect.parameters())
-            if hasattr(effect, "tooth"):
-                total += 2.0 * math.log(pair.pinion.teeth + pair.wheel.teeth)
-        return total
-
     def score(self, fit: Fit) -> float:
-        """Return the score of a fit; lower is better. Errors of model and index that do the work of an effect cost as one must gain."""
-        strayed = self.problem.detected * float((beyond(errors_of(self.problem, fit)) ** 2).sum())
-        return fit.objective + self.cost(fit.effects) + AT_BOUND * len(fit.bound) + strayed
+        """Return the score of a fit, see `score`."""
+        return score(self.problem, fit)
 
     def gained(self, fit: Fit) -> float:
         """Return by how much a fit scores better than nuisances alone."""
@@ -251,47 +230,32 @@ class Search:
         return ""
 
 
+def score(problem: Problem, fit: Fit) -> float:
+    """Return the score of a fit, by which explanations of one problem are told apart; lower is better.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of the records that were fitted.
+    fit : Fit
+        Of effects and nuisances, or of nuisances alone.
+
+    Returns
+    -------
+    float
+        Its objective, and what it pays for parameters, for the teeth and gears among which its effects were chosen, and for parameters at
+        a bound; errors of model and index that do the work of an effect cost as one must gain.
+    """
+    pair = problem.campaign.setup.pair
+    teeth = 2.0 * math.log(pair.pinion.teeth + pair.wheel.teeth)
+    cost = sum(PARAMETER * len(effect.parameters()) + (teeth if hasattr(effect, "tooth") else 0.0) for effect in fit.effects)
+    strayed = problem.detected * float((beyond(errors_of(problem, fit)) ** 2).sum())
+    return fit.objective + cost + AT_BOUND * len(fit.bound) + strayed
+
+
 def errors_of(problem: Problem, fit: Fit) -> Array:
     """Return errors of our model in prior deviations, and how far index errors are from those of single teeth, see `uneven`."""
     return np.concatenate([fit.point.unknown[problem.unknowns.first_form :], uneven(problem, fit).ravel()])
-
-
-def uneven(problem: Problem, fit: Fit) -> Array:
-    """Return how far the index errors of a fit are from those of single teeth, shape (2, 2), in deviations of what is left of them.
-
-    Of either gear (columns) the tooth that stands out most, 0 on the gear where it does so less, and the largest of the waves once, twice
-    and three times a turn. Teeth late by chance make none of either; an eccentric gear makes waves, and so does what turns with the gear
-    and is no tooth. What records tell of two teeth together a fit shares out, and each stands out by so much less, but so does each one
-    that is late by chance (`Fit.told`).
-    """
-    found = np.zeros((2, 2))
-    late = fit.point.unknown[problem.unknowns.late]
-    if not late.size:
-        return found
-    first = problem.campaign.setup.pair.pinion.teeth
-    for gear, (own, told) in enumerate(zip(np.split(late, [first]), np.split(fit.told, [first]), strict=True)):
-        waves = waves_of(own)
-        amplitude = math.sqrt(2.0 / own.size) * np.abs(np.fft.rfft(waves)).max()
-        deviation, rest = (max(1.0, float(median_abs_deviation(one, scale="normal"))) for one in (own, own - waves))
-        apart = np.abs(own - np.median(own)) / np.maximum(told, TOLD)
-        found[:, gear] = apart.max() / deviation, amplitude / rest
-    # What stands out on both gears may be one tooth, met with no other one.
-    found[0, np.argmin(found[0])] = 0.0
-    return found
-
-
-def odd_of(late: Array) -> Array:
-    """Return what index errors of a gear, shape (z,), have beyond three of their deviations from the middle one: no scatter of teeth."""
-    apart = late - np.median(late)
-    most = STRAYED * max(1.0, float(median_abs_deviation(late, scale="normal")))
-    return np.asarray(apart - np.clip(apart, -most, most))
-
-
-def waves_of(late: Array) -> Array:
-    """Return the waves once, twice and three times a turn of what all teeth of a gear have, shape (z,)."""
-    lines = np.fft.rfft(late)
-    lines[0], lines[WAVES + 1 :] = 0.0, 0.0
-    return np.fft.irfft(lines, late.size)
 
 
 def stays(problem: Problem, fit: Fit) -> bool:

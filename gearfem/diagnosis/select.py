@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import itertools
 from collections.abc import Mapping, Sequence
 
@@ -17,7 +18,7 @@ from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.screen import in_place, screened
 from gearfem.diagnosis.search import MOST, Search, Start, label, way_of, without_one
 from gearfem.diagnosis.shapes import bounded, stands
-from gearfem.diagnosis.verdict import Naming, gap_left, judge, sound
+from gearfem.diagnosis.verdict import Naming, gap_left, judge, outscored, sound
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -105,13 +106,18 @@ def select(
     _further(search, first, progress)
     _eliminate(search)
     _twins(search, first, progress)
-    return _concluded(search, shown, progress)
+    naming = _concluded(search, shown, progress)
+    return naming if naming.rivals else dataclasses.replace(naming, reasons=(*naming.reasons, _none_beside(naming, first)))
 
 
 def _concluded(search: Search, shown: tuple[Identifiability, ...], progress: Progress) -> Naming:
-    """Return the verdict once the best explanation and all that come near it are fitted again, from where that stands too."""
+    """Return the verdict once the best explanation and all that come near it are fitted again, from where that stands too.
+
+    Those farther off have lost by the scores that they had before.
+    """
     problem = search.problem
     best = search.best()
+    early = {key: (fit, search.score(fit)) for key, fit in search.fits.items()}
     _prepare_at(problem, best)
     memory = problem.memory
     problem.remember(best)
@@ -126,7 +132,16 @@ def _concluded(search: Search, shown: tuple[Identifiability, ...], progress: Pro
     naming = judge(search, shown)
     if naming.best is not best:
         problem.prepare(naming.best.effects, naming.best.point.unknown)
-    return naming
+    _, least = early.get(label(naming.fit.effects), early[label(best.effects)])
+    lost = [outscored(search, fit, naming.fit, score - least) for key, (fit, score) in early.items() if key not in search.fits]
+    return dataclasses.replace(naming, rivals=(*naming.rivals, *sorted(lost, key=lambda rival: rival.score_difference)))
+
+
+def _none_beside(naming: Naming, candidates: Sequence[Candidate]) -> str:
+    """Return in words that nothing else was fitted, and what came first of that."""
+    others = [candidate for candidate in candidates if label((candidate.effect,)) != label(naming.best.effects)]
+    first = f": {others[0].effect.describe()} would gain {others[0].gain:.1f}" if others else ""
+    return f"No other effect promised enough to be fitted{first}."
 
 
 def _prepare_at(problem: Problem, fit: Fit) -> None:

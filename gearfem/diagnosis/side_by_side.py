@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any, TypeVar
 
+from gearfem.foundation.progress import Progress
 from gearfem.foundation.threads import one_thread
 
 Item = TypeVar("Item")
@@ -15,6 +17,12 @@ Result = TypeVar("Result")
 
 # What the children of a fork find in their memory; functions and tables need not travel.
 _shared: dict[str, Callable[[Any], Any]] = {}
+
+
+def _begin() -> None:
+    """Let a child end at once where it is told to, and keep to one core: threads of linear algebra would take that of another child."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    one_thread()
 
 
 def _call(item: Any) -> Any:
@@ -49,8 +57,7 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> Itera
     _shared["work"] = work
     others = multiprocessing.active_children()
     fork, workers = multiprocessing.get_context("fork"), min(cores, len(items))
-    # Each child has a core of its own: threads of linear algebra would take that of another one.
-    with ProcessPoolExecutor(workers, mp_context=fork, initializer=one_thread) as pool:
+    with ProcessPoolExecutor(workers, mp_context=fork, initializer=_begin) as pool:
         try:
             yield from pool.map(_call, items)
         except BaseException:
@@ -59,3 +66,11 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> Itera
                 if child not in others:
                     child.terminate()
             raise
+
+
+def counted(work: Callable[[Item], Result], items: Sequence[Item], progress: Progress, words: str) -> Iterator[Result]:
+    """Yield the same, and tell a listener how many are done."""
+    for number, result in enumerate(side_by_side(work, items)):
+        progress(words, number, len(items))
+        yield result
+    progress(words, max(len(items), 1), max(len(items), 1))

@@ -9,12 +9,12 @@ from typing import Any
 
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.model_file import read_tables
-from gearfem.definition.setup import Setup
+from gearfem.definition.setup import GearPair, Setup
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.calibrate import calibration_of
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.prove import Proof
+from gearfem.diagnosis.prove import Gap, Proof
 from gearfem.effects.effect import Effect
 from gearfem.foundation.toml import write_toml
 from gearfem.foundation.units import UM, factor
@@ -55,7 +55,7 @@ def write_updated(campaign: Campaign, fit: Fit, proof: Proof, path: Path) -> Pat
             tables[member] = {**tables[member], "flank": flanks}
     if fit.effects:
         tables["effect"] = [*tables.get("effect", []), *(effect_table(effect, campaign.setup) for effect in fit.effects)]
-    tables["calibration"] = calibration_table(campaign.setup.calibration, fit.settings, proof)
+    tables["calibration"] = calibration_table(campaign.setup.calibration, fit.settings, proof, campaign.setup.pair)
     write_toml(path, tables)
     return path
 
@@ -82,10 +82,10 @@ def effect_table(effect: Effect, setup: Setup) -> dict[str, str | int | float]:
     return table
 
 
-def calibration_table(known: Calibration, settings: Settings, proof: Proof) -> dict[str, Any]:
+def calibration_table(known: Calibration, settings: Settings, proof: Proof, pair: GearPair) -> dict[str, Any]:
     """Return [calibration] with fitted nuisances on top of those that the model has."""
     both = calibration_of(known, settings)
-    measured = [(gap.measurement, gap.offset) for gap in proof.records if gap.measurement.quantity.free_constant]
+    measured = [_record(known, gap, pair) for gap in proof.records if gap.measurement.quantity.free_constant]
     return {
         "stiffness_scale": both.stiffness_scale,
         "torque_scale": both.torque_scale,
@@ -105,8 +105,18 @@ def calibration_table(known: Calibration, settings: Settings, proof: Proof) -> d
         "angle_offset_rad": both.angle_offset,
         "pinion_index_error_um": (both.pinion_late / UM).tolist(),
         "wheel_index_error_um": (both.wheel_late / UM).tolist(),
-        "record": [{"file": record.file, "offset_um": (known.offset(record.file) + offset) / UM} for record, offset in measured],
+        "record": measured,
     }
+
+
+def _record(known: Calibration, gap: Gap, pair: GearPair) -> dict[str, Any]:
+    """Return the constant of a record, and its first tooth where that was sought."""
+    record = gap.measurement
+    table: dict[str, Any] = {"file": record.file, "offset_um": (known.offset(record.file) + gap.offset) / UM}
+    if not record.tooth_known:
+        teeth = (pair.wheel if record.gear == "wheel" else pair.pinion).teeth
+        table["first_tooth"] = (known.first_tooth(record.file) + gap.first_tooth) % teeth
+    return table
 
 
 def _moved(file: str, source: Path, target: Path) -> str:

@@ -14,8 +14,9 @@ from scipy.stats import chi2
 
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.identify import Identifiability
+from gearfem.diagnosis.index_errors import odd_of, uneven, waves_of
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Label, Search, label, odd_of, stays, uneven, waves_of
+from gearfem.diagnosis.search import Label, Search, label, stays
 from gearfem.diagnosis.straying import LOST, STRAYED
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, InputError, Record, SolveError
@@ -61,6 +62,8 @@ class Rival(Record):
         Of it.
     p_values : tuple of float
         Of each of its effects, see `Naming`; empty where it is not near.
+    early : bool
+        Whether it lost before the best explanations were fitted again beside each other.
     """
 
     effects: tuple[Effect, ...]
@@ -69,6 +72,7 @@ class Rival(Record):
     near: bool
     fit: Fit
     p_values: tuple[float, ...] = ()
+    early: bool = False
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -176,6 +180,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
+    hidden = bool(named.effects) and level < 1.0
     others = {fit: scores[fit] - scores[named] for fit in ranked if fit is not named}
     return Naming(
         verdict=verdict,
@@ -193,7 +198,8 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         sentence=sentence_of(verdict, named, closed),
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search, best.effects):.0f}.",
-            f"Nuisances alone leave {level:.2f}, the best explanation leaves {remains:.2f} times what counts as a gap.",
+            f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(remains)}.",
+            *(["It is named all the same: nuisances close the gap with values that are by so much less likely."] if hidden else ()),
             *(
                 f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
                 for words, moved in astray
@@ -233,6 +239,11 @@ def explains(closed: float, remains: float) -> Verdict:
     return "explained" if closed >= CLOSED or remains < 1.0 else "partly_explained"
 
 
+def gaps(left: float) -> str:
+    """Return in words what a fit leaves, in parts of what counts as a gap."""
+    return "no gap" if left < 1.0 else f"{left:.2f} times what counts as a gap"
+
+
 def _rival(search: Search, fit: Fit, named: Fit, worse: float, limit: float, barred: str) -> Rival:
     """Return an explanation beside what is named, whose score is so much worse; closer than a limit it cannot be told apart."""
     return Rival(
@@ -243,6 +254,15 @@ def _rival(search: Search, fit: Fit, named: Fit, worse: float, limit: float, bar
         fit=fit,
         p_values=tuple(_p_value(search, fit, number) for number in range(len(fit.effects))) if worse < limit else (),
     )
+
+
+def outscored(search: Search, fit: Fit, named: Fit, worse: float) -> Rival:
+    """Return an explanation that lost by so much before what is named, or nuisances alone, were fitted again."""
+    if named.effects:
+        why = (search.barred(fit) if worse < 0.0 else "") or _why(fit, named, worse, 0.0)
+    else:
+        why = _why_none(-worse, needed(search, fit.effects))
+    return Rival(effects=fit.effects, score_difference=worse, why=why, near=False, fit=fit, early=True)
 
 
 def _mirrored(fit: Fit, best: Fit) -> bool:
@@ -355,6 +375,8 @@ def _p_value(search: Search, best: Fit, number: int) -> float:
 def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
     if best.effects and set(label(best.effects)) < set(label(fit.effects)):
         return f"gains less by what it has beside the named effects than a further name must (score {difference:+.1f})"
+    if difference < -threshold:
+        return f"scores better by {-difference:.1f}, but further names must gain more"
     if difference < 0.0:
         return f"cannot be told apart: its score is better by {-difference:.1f}, less than {threshold:.1f}, with more parameters"
     if difference < threshold:
@@ -364,6 +386,8 @@ def _why(fit: Fit, best: Fit, difference: float, threshold: float) -> str:
 
 def _why_none(gained: float, least: float) -> str:
     """Return why an explanation is none where nothing is named."""
+    if gained < 0.0:
+        return f"costs {-gained:.0f} more than it gains over nuisances alone"
     if gained < least:
         return f"gains {gained:.0f} over nuisances alone; a name needs {least:.0f}"
     return f"gains {gained:.0f} over nuisances alone, but leaves a gap too wide for a name"
@@ -380,7 +404,7 @@ def sentence_of(verdict: Verdict, fit: Fit, closed: float) -> str:
     )
     return {
         "no_discrepancy": "Model and measurement agree within noise, the scatter of single teeth and the errors of our own model.",
-        "unexplained": "Something is missing that no effect of the catalogue, alone or with others, stands for: none is named.",
+        "unexplained": "Something is missing that no effect that was tried, alone or with others, stands for: none is named.",
         "ambiguous": f"{words}; but other explanations fit these data as well.",
         "explained": f"{words}: {closes}.",
         "partly_explained": f"{words}: {closes}, and a significant rest remains.",

@@ -15,6 +15,7 @@ from gearfem.diagnosis.largest import expected
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.diagnosis.verdict import Rival
+from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError
 from gearfem.foundation.files import write_json
@@ -99,7 +100,8 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "suggestions": [
             {"measure": one.words, "separation": one.separation, "told": one.told, "cost": one.cost} for one in diagnosis.suggestions[:3]
         ],
-        "reasons": [*naming.reasons, *proof.reasons],
+        "reasons": reasons(diagnosis),
+        "tried": list(diagnosis.tried),
         "notes": notes(diagnosis),
         "model": MODEL,
         "version": version("gearfem"),
@@ -155,29 +157,35 @@ def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     problem, fit = diagnosis.problem, diagnosis.naming.fit
     rows: list[dict[str, Any]] = []
     for nuisance, moved in zip(problem.nuisances, fit.point.unknown, strict=False):
-        value = float(getattr(fit.settings, nuisance.name)) / (UM if nuisance.unit.startswith("um") else 1.0)
-        unit = {"unit": nuisance.unit} if nuisance.unit else {}
-        rows.append(_row(nuisance.name, nuisance.words, float(moved)) | {"value": value} | unit)
+        rows.append(_row(nuisance.name, nuisance.words, float(moved), float(getattr(fit.settings, nuisance.name)), nuisance.unit))
     for variant, moved in zip(VARIANTS, fit.point.unknown[problem.unknowns.first_form :], strict=False):
-        rows.append(_row("model_form", f"error of the model: {variant.words}", float(moved)))
+        rows.append(_row(variant.name, f"error of the model: {variant.words}", float(moved), variant.value(float(moved)), variant.unit))
     if any(rise.any() for rise in problem.rise):
         moved = float(fit.point.unknown[-1])
         words = "rise of the largest Kw of a turn by waviness, over the expected one"
-        rows.append(_row("kw_rise_scale", words, moved) | {"value": expected(moved)})
+        rows.append(_row("kw_rise_scale", words, moved, expected(moved)))
     for member, late in (("pinion", fit.settings.pinion_late), ("wheel", fit.settings.wheel_late)):
         worst = int(np.argmax(np.abs(late)))
         words = f"index error of tooth {worst} of the {member}, the largest"
-        row = _row(f"{member}_index_error_um", words, float(late[worst]) / problem.unknowns.scatter.index)
-        rows.append(row | {"value": float(late[worst]) / UM, "unit": "um"})
+        rows.append(_row(f"{member}_index_error_um", words, float(late[worst]) / problem.unknowns.scatter.index, float(late[worst]), "um"))
     return rows
 
 
-def _row(name: str, words: str, moved: float) -> dict[str, Any]:
-    return {"name": name, "words": words, "prior_deviations": moved, "finding": abs(moved) > FINDING}
+def _row(name: str, words: str, moved: float, value: float, unit: str = "") -> dict[str, Any]:
+    """Return a row for a value in SI, shown in a unit."""
+    shown = {"value": value / UM, "unit": unit} if unit.startswith("um") else {"value": value} | ({"unit": unit} if unit else {})
+    return {"name": name, "words": words, "prior_deviations": moved, "finding": abs(moved) > FINDING} | shown
+
+
+def reasons(diagnosis: Diagnosis) -> list[str]:
+    """Return what the verdict rests on."""
+    small = diagnosis.naming.verdict == "no_discrepancy" and diagnosis.before.gap
+    words = "Cells of the maps stand out, but all that is left is no more than what healthy pairs leave of such a model."
+    return [*diagnosis.naming.reasons, *diagnosis.proof.reasons, *([words] if small else [])]
 
 
 def notes(diagnosis: Diagnosis) -> list[str]:
-    """Return what a reader must know besides: faults of the data and their repair, roles, noise, shifts beyond their priors."""
+    """Return what a reader must know besides: effects left out, faults of the data and their repair, roles, noise, shifts far off."""
     remarks = [f"{remark.record}: {remark.sentence}" for remark in diagnosis.campaign.remarks]
     noise = [f"{r.file}: {n.sentence}" for r, n in zip(diagnosis.problem.records, diagnosis.problem.noises, strict=True)]
     shifts = [
@@ -185,4 +193,6 @@ def notes(diagnosis: Diagnosis) -> list[str]:
         for row in nuisance_rows(diagnosis)
         if row["finding"]
     ]
-    return [*remarks, *noise, *shifts]
+    left_out = sorted(set(catalogue()) - set(diagnosis.tried))
+    limits = [f"Not tried, at the user's wish: {', '.join(left_out)}."] if left_out else []
+    return [*limits, *remarks, *noise, *shifts]

@@ -27,7 +27,7 @@ class BodyCompliance(Effect):
     sentence = "Bodies of both gears yield {scale} times as much as computed"
     source = "Whole gear by finite elements less its tooth held at the root"
 
-    scale: float = parameter("of the bodies' share of the compliance", low=0.05, high=20.0, typical=1.5, neutral=1.0)
+    scale: float = parameter("factor of the bodies' share of the compliance", low=0.05, high=20.0, typical=1.5, neutral=1.0)
 
     def contradicts(self) -> str:
         """Return that no blank does this: most of a body yields right under the tooth, whatever its hub, web or rim."""

@@ -17,10 +17,13 @@ class CentreDistance(Effect):
     stage = "placement"
     repeats = "every tooth"
     history = "mounted"
-    sentence = "Centre distance changed by {amount_um} um"
+    sentence = "Centre distance larger by {amount_um} um"
+    reverse = "Centre distance smaller by {amount_um} um"
     source = "ISO 21771, working centre distance"
 
-    amount: float = parameter("positive further apart", "um", low=modules(-0.2), high=modules(0.5), typical=modules(0.02), neutral=0.0)
+    amount: float = parameter(
+        "change, positive further apart", "um", low=modules(-0.2), high=modules(0.5), typical=modules(0.02), neutral=0.0
+    )
 
     def act(self, placement: Placement, setup: Setup) -> Placement:
         """Mount the pair at the changed distance; play grows with it."""

@@ -20,7 +20,7 @@ class ContactCompliance(Effect):
     sentence = "The contact of the flanks yields {scale} times as much as computed"
     source = "Roughness, lubricant films and depths of influence other than assumed"
 
-    scale: float = parameter("of the approach, for all loads", low=0.05, high=20.0, typical=1.2, neutral=1.0)
+    scale: float = parameter("factor of the approach, for all loads", low=0.05, high=20.0, typical=1.2, neutral=1.0)
 
     def act(self, law: Law, setup: Setup) -> Law:
         """Scale the approach and its slope."""

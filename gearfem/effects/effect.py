@@ -129,6 +129,8 @@ class Effect(Record, abc.ABC):
         Whether it overrules the value of the model (the last one wins) rather than adding to it.
     sentence : str
         For reports; keys of model files in braces are filled in.
+    reverse : str
+        The same where a strength is below 0, filled in without signs; empty where none can be.
     source : str
         Where the shape comes from.
     """
@@ -139,6 +141,7 @@ class Effect(Record, abc.ABC):
     history: ClassVar[History] = "made"
     replaces: ClassVar[bool] = False
     sentence: ClassVar[str]
+    reverse: ClassVar[str] = ""
     source: ClassVar[str]
 
     @abc.abstractmethod
@@ -266,5 +269,9 @@ class Effect(Record, abc.ABC):
 
     def describe(self) -> str:
         """Return the sentence for reports with the values filled in."""
-        shown = {key: f"{value:.4g}" if isinstance(value, float) else value for key, value in self.table().items()}
-        return self.sentence.format(**shown)
+        below = bool(self.reverse) and any(getattr(self, field) < 0.0 for field in self.strengths())
+        values = {key: abs(value) if below and isinstance(value, float) else value for key, value in self.table().items()}
+        shown = {key: f"{value:.4g}" if isinstance(value, float) else value for key, value in values.items()}
+        return (self.reverse if below else self.sentence).format(**shown)
+
+    brief = describe

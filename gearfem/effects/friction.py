@@ -26,7 +26,7 @@ class Friction(Effect):
     sentence = "Coefficient of tooth friction of {coefficient}"
     source = "Coulomb's law; Wojnarowski & Onishchenko (2003), eq. 24"
 
-    coefficient: float = parameter("of friction, instead of the model's", low=0.0, high=0.5, typical=0.08, neutral=of_model)
+    coefficient: float = parameter("coefficient of friction, instead of the model's", low=0.0, high=0.5, typical=0.08, neutral=of_model)
 
     def act(self, drive: DriveTrain, setup: Setup) -> DriveTrain:
         """Replace the coefficient."""

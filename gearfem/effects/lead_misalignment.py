@@ -18,6 +18,7 @@ class LeadMisalignment(Effect):
     repeats = "every tooth"
     history = "mounted"
     sentence = "Misalignment: the gap opens by {slope_um} um over the face width"
+    reverse = "Misalignment: the gap opens by {slope_um} um over the face width, from its other end on"
     source = "ISO 6336-1, mesh misalignment"
 
     slope: float = parameter(

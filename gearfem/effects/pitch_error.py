@@ -18,6 +18,7 @@ class PitchError(Effect):
     stage = "placement"
     repeats = "one tooth"
     sentence = "Pitch error of tooth {tooth} of the {gear}: {amount_um} um late"
+    reverse = "Pitch error of tooth {tooth} of the {gear}: {amount_um} um early"
     source = "ISO 1328-1, single pitch deviation"
 
     gear: Member

@@ -22,6 +22,7 @@ class ProfileSlope(Effect):
     stage = "flank"
     repeats = "every tooth"
     sentence = "Profile slope of the {gear}: {amount_um} um of metal missing at the tip, none at the lowest contact point"
+    reverse = "Profile slope of the {gear}: {amount_um} um of metal too much at the tip, none at the lowest contact point"
     source = "ISO 1328-1, profile slope deviation"
 
     gear: Member

@@ -32,7 +32,7 @@ class RootCrack(Effect):
     gear: Member
     tooth: int
     depth: float = parameter(
-        "from the tensile fillet into the tooth", "mm", low=0.0, high=of_section(DEEPEST), typical=of_section(0.2), neutral=0.0
+        "depth from the tensile fillet into the tooth", "mm", low=0.0, high=of_section(DEEPEST), typical=of_section(0.2), neutral=0.0
     )
 
     def act(self, compliance: Compliance, setup: Setup) -> Compliance:

@@ -27,7 +27,7 @@ class Runout(Effect):
         "distance between the centre of the toothing and the axis", "um", low=0.0, high=modules(0.5), typical=modules(0.004), neutral=0.0
     )
     angle: float = parameter(
-        "of the largest radius, on the gear, from the centre of tooth 0 in counting direction",
+        "angle of the largest radius, on the gear, from the centre of tooth 0 in counting direction",
         "rad",
         low=-2.0 * math.pi,
         high=2.0 * math.pi,

@@ -20,7 +20,7 @@ class SensorLag(Effect):
     sentence = "Readings come {delay_s} s late"
     source = "Filters and buffers of a measuring chain"
 
-    delay: float = parameter("between motion and reading", "s", low=0.0, high=0.1, typical=50e-6, neutral=0.0)
+    delay: float = parameter("delay between motion and reading", "s", low=0.0, high=0.1, typical=50e-6, neutral=0.0)
 
     def act(self, instrument: Instrument, setup: Setup) -> Instrument:
         """Add the delay."""

@@ -28,8 +28,10 @@ class TorqueRipple(Effect):
 
     gear: Member
     order: float = parameter("cycles to a turn of the shaft", low=0.01, high=1000.0, typical=2.0, whole=True)
-    amplitude: float = parameter("of the torque on that gear", "Nm", low=0.0, high=of_torque(1.0), typical=of_torque(0.05), neutral=0.0)
-    phase: float = parameter("at angle 0", "rad", low=-2.0 * math.pi, high=2.0 * math.pi, typical=0.5)
+    amplitude: float = parameter(
+        "amplitude of the torque on that gear", "Nm", low=0.0, high=of_torque(1.0), typical=of_torque(0.05), neutral=0.0
+    )
+    phase: float = parameter("phase at angle 0", "rad", low=-2.0 * math.pi, high=2.0 * math.pi, typical=0.5)
 
     def act(self, drive: DriveTrain, setup: Setup) -> DriveTrain:
         """Add the ripple to those of the drive train."""

@@ -53,6 +53,28 @@ def whole(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
+def together(folder: Path) -> Iterator[Path]:
+    """Hand out a temporary folder within `folder`; move its files there on success, drop them otherwise: old ones and new do not mix.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they belong; made if it is missing.
+
+    Yields
+    ------
+    Path
+        Temporary folder.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".", dir=folder) as name:
+        yield Path(name)
+        for file in sorted(Path(name).iterdir()):
+            file.replace(folder / file.name)
+
+
+@contextmanager
 def _named(path: Path) -> Iterator[None]:
     """Let errors of the temporary file name the file that was asked for."""
     try:

@@ -43,6 +43,16 @@ class Record:
             _feed(sha, getattr(self, field.name))
         return sha.hexdigest()
 
+    def __init_subclass__(cls, **options: Any) -> None:
+        # Here, before dataclass looks for one: all numbers of a record would fill pages.
+        super().__init_subclass__(**options)
+        cls.__repr__ = Record.__repr__  # type: ignore[method-assign]
+
+    def __repr__(self) -> str:
+        """Return the fields in brief, on one line."""
+        fields = (f"{field.name}: {_brief(getattr(self, field.name))}" for field in dataclasses.fields(self))
+        return f"{type(self).__name__}({', '.join(fields)})"
+
     def __str__(self) -> str:
         """Return the fields in brief, a line each: of arrays shape and range, of other records their sentence or name."""
         return "\n".join(
@@ -50,8 +60,12 @@ class Record:
         )
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
-        """Show the same in a notebook, where all numbers of a record would fill pages."""
+        """Show the same in a notebook."""
         printer.text("..." if cycle else str(self))
+
+    def brief(self) -> str:
+        """Return in words what another record shows of this one: its sentence, if it has any, or its kind."""
+        return str(getattr(self, "sentence", "")) or type(self).__name__
 
 
 def _brief(value: Any) -> str:
@@ -59,7 +73,7 @@ def _brief(value: Any) -> str:
         numbers = value.size and value.dtype.kind in "iuf"
         return f"array {value.shape}" + (f", {value.min():.4g} to {value.max():.4g}" if numbers else "")
     if isinstance(value, Record):
-        return str(getattr(value, "sentence", "")) or type(value).__name__
+        return value.brief()
     if isinstance(value, (tuple, list)):
         shown = [_brief(item) for item in value[:MOST_SHOWN]]
         return f"{len(value)}: " + "; ".join([*shown, *(["..."] if len(value) > len(shown) else [])]) if value else "none"

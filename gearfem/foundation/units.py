@@ -69,3 +69,25 @@ def factor(name: str) -> float:
         if name.endswith(suffix):
             return value
     return 1.0
+
+
+def written(unit: str) -> str:
+    """Return the unit that ends a name as people write it.
+
+    Examples
+    --------
+    >>> written("rad_per_s2"), written("um_per_kN")
+    ('rad/s²', 'µm/kN')
+    """
+    return unit.replace("_per_", "/").replace("um", "µm").replace("s2", "s²")
+
+
+def digits(value: float) -> str:
+    """Return a number with three digits, or all that stand before the point.
+
+    Examples
+    --------
+    >>> digits(0.12345), digits(12345.6)
+    ('0.123', '12346')
+    """
+    return f"{value:.3g}" if abs(value) < 999.5 else f"{value:.0f}"

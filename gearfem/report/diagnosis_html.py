@@ -11,12 +11,13 @@ from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, SERIES, Nuisance
 from gearfem.diagnosis.prove import Gap
+from gearfem.diagnosis.roles import ROLES
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import Rival
-from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, stderr
+from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, reasons, stderr
 from gearfem.effects.effect import Effect
 from gearfem.foundation.files import whole
-from gearfem.foundation.units import UM, factor
+from gearfem.foundation.units import UM, digits, factor, written
 from gearfem.report.diagnosis_plots import write_diagnosis_pictures
 from gearfem.report.html import inline, template
 from gearfem.variants import VARIANTS
@@ -97,7 +98,7 @@ def write_diagnosis_report(diagnosis: Diagnosis, out: Path) -> list[Path]:
         heading=HEADINGS[naming.verdict],
         verdict=naming.verdict,
         sentence=naming.sentence,
-        reasons=[*naming.reasons, *diagnosis.proof.reasons],
+        reasons=reasons(diagnosis),
         places=[place.sentence for place in diagnosis.before.where[:6]],
         gap_sentence=diagnosis.before.sentence,
         parameters=_parameters(diagnosis),
@@ -105,12 +106,13 @@ def write_diagnosis_report(diagnosis: Diagnosis, out: Path) -> list[Path]:
         p_values=naming.p_values,
         rivals=[_rival(rival) for rival in (diagnosis.alternatives or naming.rivals[:8])],
         identifiable=[_identifiable(one, diagnosis.campaign.setup) for one in naming.identifiable],
-        nuisances=nuisance_rows(diagnosis),
+        nuisances=[row | {"unit": written(row.get("unit", ""))} for row in nuisance_rows(diagnosis)],
         finding=FINDING,
         gaps=[_gap(gap) for gap in diagnosis.proof.records],
         suggestions=diagnosis.suggestions[:3],
         notes=notes(diagnosis),
         assumptions=[*ASSUMPTIONS, *diagnosis.campaign.setup.assumptions],
+        closed="closed" if naming.fit.effects else "closed by nuisances",
         pictures=[(*CAPTIONS[key], inline(drawn[key])) for key in CAPTIONS if key in drawn],
     )
     path = Path(out) / "report.html"
@@ -127,18 +129,13 @@ def _parameters(diagnosis: Diagnosis) -> list[ParameterRow]:
             key = effect.key(field)
             value, remark = getattr(effect, field) / factor(key), "at its bound" if (number, field) in fit.bound else ""
             interval = "a whole number, chosen" if known.whole else _interval(value, stderr(effect, field, deviations[field]))
-            rows.append(ParameterRow(title(effect), known.words, f"{value:.4g}", interval, _shown(known.unit), remark))
+            rows.append(ParameterRow(title(effect), known.words, f"{value:.4g}", interval, written(known.unit), remark))
     return rows
 
 
 def _interval(value: float, error: float | None) -> str:
     """Return the interval of 95 % in words, of a standard error in the same unit."""
     return "not decided by these data" if error is None else f"{value - INTERVAL * error:.4g} to {value + INTERVAL * error:.4g}"
-
-
-def _shown(unit: str) -> str:
-    """Return a unit as people write it."""
-    return unit.replace("_per_", "/").replace("um", "µm").replace("s2", "s²")
 
 
 def title(effect: Effect) -> str:
@@ -154,11 +151,14 @@ def title(effect: Effect) -> str:
 def _identifiable(one: Identifiability, setup: Setup) -> dict[str, Any]:
     least = one.effect.scaled(min(one.limit, 1.0), setup)
     known = least.parameters()
-    size = [f"{getattr(least, field) / factor(least.key(field)):.3g} {_shown(known[field].unit)}".strip() for field in least.strengths()]
+    strengths = least.strengths()
+    words = [field.replace("_", " ") + " " if len(strengths) > 1 else "" for field in strengths]
+    sizes = [abs(getattr(least, field)) / factor(least.key(field)) for field in strengths]
+    size = [f"{word}{digits(one)} {written(known[field].unit)}".strip() for word, one, field in zip(words, sizes, strengths, strict=True)]
     return {
         "effect": title(one.effect).partition(" on tooth")[0],
         "share": f"{one.share:.0%}",
-        "limit": (" and ".join(size) if size else "-") if one.limit < 1.0 else "more than is typical",
+        "limit": (", ".join(size) if size else "-") if one.limit < 1.0 else "more than is typical",
         "rival": title(one.rival).partition(" on tooth")[0] if one.rival is not None else "none",
         "overlap": f"{one.overlap:.2f}",
         "alike": one.overlap > ALIKE,
@@ -179,10 +179,14 @@ def _gap(gap: Gap) -> dict[str, Any]:
     scale = gap.measurement.to_file
     row = {
         "record": gap.measurement.file,
-        "role": "held out" if gap.role == "holdout" else "fitted",
-        "unit": _shown(gap.measurement.quantity.unit),
+        "role": ROLES[gap.role],
+        "unit": written(gap.measurement.quantity.unit),
     }
     series = {"before": gap.before, "nuisances": gap.nuisances_only, "smooth": gap.smooth, "after": gap.after}
-    numbers = {key: f"{gap.rms(values) * scale:.3g}" if values.size else "-" for key, values in series.items()}
-    floors = {"noise": f"{gap.noise_rms * scale:.3g}", "floor": f"{gap.floor_rms * scale:.3g}", "closure": f"{100.0 * gap.closure:.0f} %"}
+    numbers = {key: digits(gap.rms(values) * scale) if values.size else "-" for key, values in series.items()}
+    floors = {
+        "noise": digits(gap.noise_rms * scale),
+        "floor": digits(gap.floor_rms * scale),
+        "closure": f"{100.0 * gap.closure:.0f} %" if gap.closure >= 0.0 else "none, wider",
+    }
     return row | numbers | floors

@@ -15,9 +15,10 @@ from matplotlib.ticker import LogLocator
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.localise import Localisation, Map
+from gearfem.diagnosis.roles import ROLES
 from gearfem.diagnosis.zones import PHASES
 from gearfem.foundation import Array
-from gearfem.foundation.units import RPM
+from gearfem.foundation.units import RPM, digits, written
 from gearfem.report import style
 
 # Power in parts of what noise and nuisances leave: from noise alone to thirty times its size.
@@ -67,7 +68,7 @@ def plot_phase(diagnosis: Diagnosis) -> Figure | None:
     fields = _both(diagnosis, "mesh_phase", "cells")
     if fields is None:
         return None
-    figure, axes = _pair(fields)
+    figure, axes = _panels(fields)
     for axis in axes:
         axis.set_xlabel("phase of the mesh, pitches from the pitch point")
         count = len(fields[0].columns)
@@ -84,7 +85,7 @@ def plot_orders(diagnosis: Diagnosis) -> Figure | None:
     strongest = np.argsort(-np.nanmax(np.nan_to_num(fields[0].power), axis=0))[:ORDERS]
     chosen = np.sort(strongest)
     fields = [Field(field.rows, [field.columns[i] for i in chosen], field.power[:, chosen]) for field in fields]
-    figure, axes = _pair(fields)
+    figure, axes = _panels(fields)
     for axis in axes:
         axis.set_xlabel("order of the pinion's turns, the strongest ones")
         axis.set_xticks(range(len(chosen)), fields[0].columns, rotation=60, ha="right")
@@ -97,7 +98,7 @@ def plot_teeth(diagnosis: Diagnosis, gear: Member) -> Figure | None:
     fields = _both(diagnosis, "tooth", gear)
     if fields is None:
         return None
-    figure, axes = _pair(fields)
+    figure, axes = _panels(fields)
     numbers = [name.split(":")[1] for name in fields[0].columns]
     step = math.ceil(len(numbers) / 16)
     for axis in axes:
@@ -108,7 +109,7 @@ def plot_teeth(diagnosis: Diagnosis, gear: Member) -> Figure | None:
 
 @style.styled
 def plot_records(diagnosis: Diagnosis) -> Figure | None:
-    """Draw what is left of each record over three pitches: nuisances alone, and with what is named."""
+    """Draw what is left of each record over three pitches: nuisances alone, and with what is named, if anything is."""
     gaps = [gap for gap in diagnosis.proof.records if gap.measurement.quantity.axis == "angle"]
     if not gaps:
         return None
@@ -120,11 +121,11 @@ def plot_records(diagnosis: Diagnosis) -> Figure | None:
         place = place - np.ceil(place[0])
         shown = (place >= 0.0) & (place <= ONE_RECORD) & record.keep
         axis.plot(place[shown], gap.nuisances_only[shown] * record.to_file, color=style.ORANGE, linewidth=1.0, label="nuisances alone")
-        axis.plot(place[shown], gap.after[shown] * record.to_file, color=style.BLUE, linewidth=1.0, label="with what is named")
+        if diagnosis.naming.fit.effects:
+            axis.plot(place[shown], gap.after[shown] * record.to_file, color=style.BLUE, linewidth=1.0, label="with what is named")
         axis.axhspan(-gap.floor_rms * record.to_file, gap.floor_rms * record.to_file, color=style.SHADE, zorder=0, label="floor")
-        held = ", held out" if gap.role == "holdout" else ""
-        axis.set_title(f"{record.file}{held}")
-        axis.set_ylabel(record.quantity.unit.replace("um", "µm"))
+        axis.set_title(f"{record.file}, {ROLES[gap.role]}")
+        axis.set_ylabel(written(record.quantity.unit))
     for axis in axes[len(gaps) :]:
         axis.set_visible(False)
     for axis in axes[-2:]:
@@ -142,7 +143,7 @@ def plot_gap(diagnosis: Diagnosis) -> Figure | None:
         ("before", style.GREY, [gap.before for gap in gaps]),
         ("nuisances alone", style.ORANGE, [gap.nuisances_only for gap in gaps]),
         ("smooth correction", style.GREEN, [gap.smooth for gap in gaps]),
-        ("after", style.BLUE, [gap.after for gap in gaps]),
+        *([("after", style.BLUE, [gap.after for gap in gaps])] if diagnosis.naming.fit.effects else []),
     )
     for label, colour, left in series:
         parts = zip(gaps, left, strict=True)
@@ -152,7 +153,7 @@ def plot_gap(diagnosis: Diagnosis) -> Figure | None:
         axes[0].plot(*zip(*rows, strict=True), "o", color=colour, label=label, markersize=7 if label == "after" else 5)
     axes[0].axvline(1.0, color=style.INK, linewidth=1.0, linestyle=":", label="floor: noise and waviness")
     axes[0].set_xscale("log")
-    axes[0].set_yticks([-number for number in range(len(gaps))], [_name(gap.measurement.file, gap.role == "holdout") for gap in gaps])
+    axes[0].set_yticks([-number for number in range(len(gaps))], [f"{gap.measurement.file}, {ROLES[gap.role]}" for gap in gaps])
     axes[0].set_ylim(0.6 - len(gaps), 0.4)
     axes[0].set_xlabel("root mean square of what is left, in parts of the floor")
     axes[0].xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
@@ -166,8 +167,9 @@ def plot_gap(diagnosis: Diagnosis) -> Figure | None:
 
 
 def _both(diagnosis: Diagnosis, domain: str, part: str) -> list[Field] | None:
-    """Return the maps of one domain before and after, records in the order of torque and speed."""
-    fields = [_field(diagnosis, localisation, domain, part) for localisation in (diagnosis.before, diagnosis.after)]
+    """Return the maps of one domain before and, where anything is named, after; records in the order of torque and speed."""
+    found = (diagnosis.before, diagnosis.after) if diagnosis.naming.fit.effects else (diagnosis.before,)
+    fields = [_field(diagnosis, localisation, domain, part) for localisation in found]
     return [field for field in fields if field is not None] if all(field is not None for field in fields) else None
 
 
@@ -184,7 +186,7 @@ def _field(diagnosis: Diagnosis, localisation: Localisation, domain: str, part: 
         one = maps[record.file]
         places = [columns.index(label) for label in one.label]
         power[row, places] = one.power / np.maximum(one.expected, 1e-12)
-    rows = [f"{r.pinion_torque:.3g} N m" + (f", {r.pinion_speed / RPM:.4g} rpm" if r.pinion_speed else "") for r in records]
+    rows = [f"{digits(r.pinion_torque)} N m" + (f", {digits(r.pinion_speed / RPM)} rpm" if r.pinion_speed else "") for r in records]
     return Field(rows, columns, power)
 
 
@@ -195,9 +197,10 @@ def _columns(maps: list[Map], domain: str) -> list[str]:
     return sorted(labels, key=lambda label: float(label.split(":")[-1]))
 
 
-def _pair(fields: list[Field]) -> tuple[Figure, list[Axes]]:
-    figure, axes = style.make_figure((11.4, 1.5 + 0.3 * len(fields[0].rows)), columns=2)
-    for number, (axis, field, word) in enumerate(zip(axes, fields, ("before: nuisances alone", "after: with what is named"), strict=True)):
+def _panels(fields: list[Field]) -> tuple[Figure, list[Axes]]:
+    figure, axes = style.make_figure((11.4, 1.5 + 0.3 * len(fields[0].rows)), columns=len(fields))
+    words = ("before: nuisances alone", "after: with what is named") if len(fields) > 1 else ("nuisances alone; nothing is named",)
+    for number, (axis, field, word) in enumerate(zip(axes, fields, words, strict=True)):
         picture = _map(axis, field, number == 0)
         axis.set_title(word)
     _bar(figure, axes, picture)
@@ -214,8 +217,4 @@ def _map(axis: Axes, field: Field, named: bool) -> object:
 
 def _bar(figure: Figure, axes: list[Axes], picture: object) -> None:
     bar = figure.colorbar(picture, ax=axes, fraction=0.03, pad=0.01, extend="both")  # type: ignore[arg-type]
-    bar.set_label("power over noise's")
-
-
-def _name(file: str, held: bool) -> str:
-    return f"{file} (held out)" if held else file
+    bar.set_label("power over what is expected")

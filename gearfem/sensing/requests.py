@@ -137,7 +137,7 @@ class RadialRunout(Request):
         """Return the reading [m], largest at the tooth that stands out farthest."""
         placement, pair = system.placement, system.setup.pair
         gear, (towards, along) = (pair.pinion, placement.pinion_runout) if self.gear == "pinion" else (pair.wheel, placement.wheel_runout)
-        place = self.axis * gear.pitch_angle
+        place = (self.axis + system.setup.calibration.first_tooth(self.file)) * gear.pitch_angle
         return towards * np.cos(place) + along * np.sin(place) + system.setup.calibration.offset(self.file)
 
 
@@ -151,8 +151,9 @@ class PitchDeviation(Request):
         none = {"wheel_runout": (0.0, 0.0)} if self.gear == "pinion" else {"pinion_runout": (0.0, 0.0)}
         placement = dataclasses.replace(system.placement, **none)  # type: ignore[arg-type]
         late = placement.pinion_late if self.gear == "pinion" else placement.wheel_late
-        gap, _ = runout_gap(placement, self.axis * placement.pair.pinion.pitch_angle)
-        number = np.round(self.axis).astype(int) % len(late)
+        tooth = self.axis + system.setup.calibration.first_tooth(self.file)
+        gap, _ = runout_gap(placement, tooth * placement.pair.pinion.pitch_angle)
+        number = np.round(tooth).astype(int) % len(late)
         return np.asarray(late[number] + gap + system.setup.calibration.offset(self.file))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,11 +17,25 @@ from click.testing import CliRunner
 from gearfem.assembly import assemble
 from gearfem.cli import main
 from gearfem.definition.setup import Member
-from gearfem.diagnosis import Diagnosis, choose, compare, diagnose, fit, likely_teeth, prove, read_campaign, standing_out, write_diagnosis
+from gearfem.diagnosis import (
+    Diagnosis,
+    choose,
+    compare,
+    diagnose,
+    fit,
+    likely_teeth,
+    localise,
+    prove,
+    read_campaign,
+    score,
+    standing_out,
+    write_diagnosis,
+)
 from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import lowest
 from gearfem.diagnosis.suggest import suggest
+from gearfem.diagnosis.updated import write_updated
 from gearfem.diagnosis.write import as_json
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
@@ -34,7 +49,7 @@ from gearfem.foundation.units import MM, UM
 from gearfem.model import load_model, make_setup
 from gearfem.report import write_diagnosis_report
 from gearfem.rig import measure, read_plan
-from gearfem.sensing import observe, requests
+from gearfem.sensing import observe
 from tests.recovery.rig import NOMINAL, PLAN, TORQUES, on_the_rig, runout_off_the_rig
 
 
@@ -91,8 +106,7 @@ def test_the_updated_model_meets_every_record_as_the_proof_does(found: Diagnosis
     system = assemble(setup)
     gaps = json.loads((tmp_path / "diagnosis.json").read_text())["gap"]
     for record, gap in zip(found.campaign.records, gaps, strict=True):
-        request = requests()[record.quantity.name](axis=record.axis, pinion_torque=record.pinion_torque, file=record.file)
-        left = (record.value - observe(system, request))[record.keep] / UM
+        left = (record.value - observe(system, record.request()))[record.keep] / UM
         assert float(np.sqrt(np.mean(left**2))) == pytest.approx(gap["after_rms"], rel=1e-6)
 
 
@@ -130,6 +144,35 @@ def test_the_report_holds_its_pictures_and_asks_nothing_of_the_network(found: Di
     assert "http" not in page
     for record in found.campaign.records:
         assert record.file in page
+
+
+def test_a_forced_fit_ends_where_the_naming_does(found: Diagnosis) -> None:
+    problem, alone = found.problem, found.comparison.alone
+    mine = fit(problem, TipRelief(gear="wheel", amount=5.0 * UM, length=2.0 * MM), alone)
+    assert mine.objective == pytest.approx(found.naming.fit.objective, rel=0.0, abs=2.0)
+    assert score(problem, fit(problem, [], alone)) - score(problem, mine) > 50.0
+
+
+def test_what_was_tried_and_why_it_lost_is_told(found: Diagnosis) -> None:
+    result = as_json(found)
+    assert result["tried"] == ["tip_relief"]
+    assert any("runout" in note for note in result["notes"] if note.startswith("Not tried"))
+    assert all(rival["why"] for rival in result["alternatives"])
+    assert result["alternatives"] or any(reason.endswith("enough to be fitted.") for reason in result["reasons"])
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda found: compare("campaign.toml"), "a Campaign, from read_campaign"),
+        (lambda found: localise(found.comparison, draws=0), "draws"),
+        (lambda found: fit(found.problem, ["tip_relief"], found.comparison.alone), "effects with values"),
+        (lambda found: fit(found.problem, TipRelief(gear="wheel", amount=1.0, length=2e-3), found.comparison.alone), "amount_um"),
+    ],
+)
+def test_wrong_arguments_are_said_in_a_line(found: Diagnosis, call: Callable[[Diagnosis], Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        call(found)
 
 
 def test_a_measurement_that_cannot_decide_is_not_suggested(found: Diagnosis) -> None:
@@ -188,7 +231,8 @@ def test_only_and_exclude_refuse_names_that_do_not_exist() -> None:
         choose(catalogue(), ["tiprelief"])
     with pytest.raises(InputError, match="no effect left"):
         choose(catalogue(), ["runout"], ["runout"])
-    assert "runout" not in choose(catalogue(), exclude=["runout"])
+    assert "runout" not in choose(catalogue(), exclude="runout")
+    assert list(choose(catalogue(), "runout")) == ["runout"]
 
 
 @pytest.mark.parametrize("words", [["--only", "tiprelief"], ["--effects", "nowhere.py"], []])
@@ -217,13 +261,17 @@ def test_a_record_of_unknown_first_tooth_is_turned_until_it_fits(tmp_path: Path)
     campaign = read_campaign(tmp_path / "rig" / "campaign.toml")
     comparison = compare(campaign)
     problem, alone = comparison.problem, comparison.alone
-    proof = prove(problem, fit(problem, [Runout(gear="wheel", eccentricity=8.0 * UM, angle=0.5)], alone), alone)
+    mine = fit(problem, Runout(gear="wheel", eccentricity=8.0 * UM, angle=0.5), alone)
+    proof = prove(problem, mine, alone)
     (held,) = proof.of("holdout")
     assert drawn > 0
     assert held.first_tooth == drawn
     assert held.smooth.size == 0
     assert held.rms(held.after) == pytest.approx(0.5 * UM, rel=0.4, abs=0.0)
     assert proof.stands
+    # The file knows the tooth that was found.
+    cold = observe(assemble(load_model(write_updated(campaign, mine, proof, tmp_path / "updated.toml"))), held.measurement.request())
+    np.testing.assert_allclose(held.measurement.value - cold, held.after, rtol=0.0, atol=1e-6 * UM)
 
 
 @pytest.mark.slow
@@ -244,9 +292,14 @@ def test_a_tooth_out_of_place_is_named_and_not_taken_for_scatter(tmp_path: Path)
     # Over so many turns the tooth meets several of the wheel's.
     plan = PLAN | {"record": [record | {"turns": 3.4} for record in PLAN["record"]]}
     campaign = read_campaign(on_the_rig(tmp_path, {"effect": [hidden]}, plan))
-    naming = diagnose(campaign, choose(catalogue(), ["pitch_error", "profile_slope"])).naming
+    diagnosis = diagnose(campaign, choose(catalogue(), ["pitch_error", "profile_slope"]))
+    naming = diagnosis.naming
     (found,) = naming.fit.effects
     assert naming.verdict == "explained"
+    # Nuisances have taken it up, so that nothing of it is left to see; with the name it is gone from there.
+    assert [place.zone for place in diagnosis.before.where if "index errors" in place.sentence] == ["pinion:8"]
+    assert not any("index errors" in place.sentence for place in diagnosis.after.where)
+    assert found.describe().endswith("um early")
     assert (found.name, found.gear, found.tooth) == ("pitch_error", "pinion", 8)
     # Scatter of half a micrometre adds to it.
     assert found.amount == pytest.approx(-9.0 * UM, rel=0.0, abs=1.5 * UM)

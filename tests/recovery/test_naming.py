@@ -13,12 +13,13 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fit import Fit, _inexact
+from gearfem.diagnosis.index_errors import odd_of, uneven, waves_of
 from gearfem.diagnosis.mimic import _form_scales, mimicked
 from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.name import _by_rows
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Search, label, odd_of, stays, uneven, waves_of
+from gearfem.diagnosis.search import Search, label, stays
 from gearfem.diagnosis.select import _settled_hopeless
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import Verdict, _mirrored, _misshapen, _unlikely, closure, explains, judge, needed, sentence_of

@@ -5,7 +5,11 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pytest
 
+from gearfem.effects.centre_distance import CentreDistance
+from gearfem.effects.effect import Effect
+from gearfem.effects.pitch_error import PitchError
 from gearfem.foundation import Array, Record, digest
 
 
@@ -48,3 +52,16 @@ def test_a_digest_is_that_of_the_content_whoever_holds_it() -> None:
     assert digest(one) == before == digest(trace(parts=(trace("b.csv"),)))
     assert digest(dataclasses.replace(one, torque=12.6)) != before
     assert digest(dataclasses.replace(one, parts=(trace("c.csv"),))) != before
+
+
+@pytest.mark.parametrize(
+    ("effect", "words"),
+    [
+        (PitchError(gear="wheel", tooth=3, amount=-4e-6), "Pitch error of tooth 3 of the wheel: 4 um early"),
+        (PitchError(gear="wheel", tooth=3, amount=4e-6), "Pitch error of tooth 3 of the wheel: 4 um late"),
+        (CentreDistance(amount=-20e-6), "Centre distance smaller by 20 um"),
+    ],
+)
+def test_effects_are_told_in_words_that_go_by_their_sign(effect: Effect, words: str) -> None:
+    assert effect.describe() == words
+    assert f"parts: 1: {words}" in repr(trace(parts=(effect,)))
