@@ -173,8 +173,8 @@ def diagnose(campaign: str, out: str, only: tuple[str, ...], exclude: tuple[str,
 
     CAMPAIGN is a file, or the folder that holds it as campaign.toml.
 
-    Writes report.html with its pictures, diagnosis.json, and updated.toml: the model with the named effects and the fitted nuisances,
-    which every other command runs. Records of role holdout are opened at the end, when everything else is fixed.
+    Writes report.html with its pictures, diagnosis.json, maps.csv, and updated.toml: the model with the named effects and the fitted
+    nuisances, which every other command runs. Records of role holdout are opened at the end, when everything else is fixed.
 
     Verdicts: explained, partly_explained, no_discrepancy, unexplained (a gap that no known effect closes), ambiguous (several
     explanations, and what to measure to decide). Ctrl-C leaves no half-written file.

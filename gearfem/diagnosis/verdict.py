@@ -128,7 +128,20 @@ class Naming(Record):
 def sound(search: Search) -> bool:
     """Return whether nuisances alone leave no gap and do the work of no effect, none of them by itself nor all together."""
     problem, alone = search.problem, search.alone
-    return gap_left(alone, problem) < 1.0 and stays(problem, alone) and not _unlikely(problem, alone)
+    return gap_left(alone, problem) < 1.0 and stays(problem, alone) and not _unlikely(problem, alone) and not _wide(problem, alone)
+
+
+def _wide(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
+    """Return the records of gears off the rig of which a fit leaves more than noise would that is alike over all rows, in its deviations.
+
+    Where noise is smoother than white, of which a few dozen rows tell little, a smooth shape hides in it row by row.
+    """
+    most, found = math.sqrt(float(chi2.ppf(1.0 - UNLIKELY, 1))), []
+    for record, noise, left in zip(problem.records, problem.noises, fit.left, strict=True):
+        size = float(np.sqrt(np.mean(left[record.keep] ** 2))) / noise.std
+        if record.quantity.of_gear and size > most:
+            found.append((record.file, size))
+    return found
 
 
 def _unlikely(problem: Problem, fit: Fit) -> bool:
@@ -171,10 +184,12 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     barred = {fit: search.barred(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     astray = (*_astray(search), *turning(search.problem, alone), *_misshapen(search.problem, alone))
+    wide = _wide(search.problem, alone)
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
     gains = bool(best.effects) and gained >= needed(search, best.effects)
-    without = _verdict_on(search.problem, alone, closed, (level, remains), not astray, [])
-    verdict = _verdict_on(search.problem, best, closed, (level, remains), not astray, close) if gains else without
+    held = not astray and not wide
+    without = _verdict_on(search.problem, alone, closed, (level, remains), held, [])
+    verdict = _verdict_on(search.problem, best, closed, (level, remains), held, close) if gains else without
     if verdict == "ambiguous":
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
@@ -204,6 +219,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
                 f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
                 for words, moved in astray
             ),
+            *(f"Nuisances alone: {file} keeps {size:.1f} times its noise, more than noise alike over all its rows." for file, size in wide),
         ),
     )
 
@@ -220,7 +236,7 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
     left : (float, float)
         What nuisances alone leave and what it leaves, in gaps.
     sound : bool
-        Whether nuisances alone do the work of no effect.
+        Whether nuisances alone do the work of no effect, and leave no record too wide.
     close : sequence of Fit
         Explanations that the data cannot tell from it.
     """

@@ -18,19 +18,23 @@ from gearfem.diagnosis.verdict import Rival
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError
-from gearfem.foundation.files import write_json
-from gearfem.foundation.units import UM, factor
+from gearfem.foundation.files import write_csv, write_json
+from gearfem.foundation.units import RPM, UM, factor
 from gearfem.variants import VARIANTS
 
-RESULT, MODEL = "diagnosis.json", "updated.toml"
+RESULT, MODEL, MAPS = "diagnosis.json", "updated.toml", "maps.csv"
 # A nuisance beyond so many prior deviations is a finding itself.
 FINDING = 3.0
+MAPS_SAY = (
+    "what nuisances alone (before) and what is named (after) leave: mean squares of whitened residuals; expected: in noise, nuisances and "
+    "errors of the model; significance: deviations from draws of these"
+)
 # Explanations that lost and are listed all the same.
 LISTED = 5
 
 
 def write_diagnosis(diagnosis: Diagnosis, out: Path) -> list[Path]:
-    """Write diagnosis.json and updated.toml, each whole or not at all.
+    """Write diagnosis.json, updated.toml and maps.csv, each whole or not at all.
 
     Parameters
     ----------
@@ -50,8 +54,9 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> list[Path]:
     """
     refuse_to_replace(diagnosis.campaign, out)
     model = write_updated(diagnosis.campaign, diagnosis.naming.fit, diagnosis.proof, Path(out) / MODEL)
+    write_csv(Path(out) / MAPS, _cells(diagnosis), (MAPS_SAY,))
     write_json(Path(out) / RESULT, as_json(diagnosis))
-    return [Path(out) / RESULT, model]
+    return [Path(out) / RESULT, model, Path(out) / MAPS]
 
 
 def refuse_to_replace(campaign: Campaign, out: Path) -> None:
@@ -106,6 +111,22 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "model": MODEL,
         "version": version("gearfem"),
     }
+
+
+def _cells(diagnosis: Diagnosis) -> dict[str, list[Any]]:
+    """Return all cells of all maps as columns of a table."""
+    records = {record.file: record for record in diagnosis.campaign.records}
+    after = {(one.record, one.domain, one.part, label): (one, i) for one in diagnosis.after.maps for i, label in enumerate(one.label)}
+    rows = []
+    for one in diagnosis.before.maps:
+        known = records.get(one.record)
+        torque, speed = (f"{known.pinion_torque:.10g}", f"{known.pinion_speed / RPM:.10g}") if known else ("", "")
+        for i, label in enumerate(one.label):
+            then, j = after.get((one.record, one.domain, one.part, label), (None, 0))
+            row = [one.record, torque, speed, one.domain, label, one.power[i], one.expected[i], one.significance[i]]
+            rows.append([*row, *((then.power[j], then.significance[j]) if then else ("", ""))])
+    heads = ["record", "pinion_torque_Nm", "pinion_speed_rpm", "domain", "cell", "power_before", "expected", "significance_before"]
+    return dict(zip([*heads, "power_after", "significance_after"], map(list, zip(*rows, strict=True)), strict=True))
 
 
 def stderr(effect: Effect, field: str, deviation: float) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import json
 import pickle
@@ -151,6 +152,18 @@ def test_a_forced_fit_ends_where_the_naming_does(found: Diagnosis) -> None:
     mine = fit(problem, TipRelief(gear="wheel", amount=5.0 * UM, length=2.0 * MM), alone)
     assert mine.objective == pytest.approx(found.naming.fit.objective, rel=0.0, abs=2.0)
     assert score(problem, fit(problem, [], alone)) - score(problem, mine) > 50.0
+
+
+def test_every_cell_of_the_maps_is_in_a_table(found: Diagnosis, tmp_path: Path) -> None:
+    write_diagnosis(found, tmp_path)
+    with (tmp_path / "maps.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    assert len(rows) == sum(len(one.label) for one in found.before.maps)
+    worst = max(rows, key=lambda row: float(row["significance_before"]))
+    assert float(worst["significance_before"]) == pytest.approx(found.before.largest)
+    # The name takes away what stood out most.
+    assert float(worst["significance_after"]) < 0.5 * float(worst["significance_before"])
+    assert {float(row["pinion_torque_Nm"]) for row in rows} == {torque for torque in TORQUES if torque != 80.0}
 
 
 def test_what_was_tried_and_why_it_lost_is_told(found: Diagnosis) -> None:

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import sys
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ import pytest
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fit import Fit, _inexact
 from gearfem.diagnosis.index_errors import odd_of, uneven, waves_of
+from gearfem.diagnosis.measurement import make_record
 from gearfem.diagnosis.mimic import _form_scales, mimicked
 from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.name import _by_rows
@@ -22,7 +23,7 @@ from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, stays
 from gearfem.diagnosis.select import _settled_hopeless
 from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.verdict import Verdict, _mirrored, _misshapen, _unlikely, closure, explains, judge, needed, sentence_of
+from gearfem.diagnosis.verdict import Verdict, _mirrored, _misshapen, _unlikely, _wide, closure, explains, judge, needed, sentence_of
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -235,6 +236,15 @@ def test_nuisances_that_are_each_likely_may_not_be_so_together(found: Diagnosis,
     unknown[[nuisance.name for nuisance in problem.nuisances].index("angle_offset")] = 9.0
     unknown[problem.unknowns.wrong] = -moved
     assert _unlikely(problem, dataclasses.replace(alone, point=dataclasses.replace(alone.point, unknown=unknown))) is unlikely
+
+
+def test_a_smooth_shape_in_smooth_noise_is_no_agreement() -> None:
+    """Row by row nothing tells it from noise that wanders, which its size does."""
+    record = make_record("flank_profile", np.linspace(0.01, 0.02, 80), gear="wheel", tooth=0)
+    problem: Any = SimpleNamespace(records=(record,), noises=(SimpleNamespace(std=40.0 * UM),))
+    for size, found in ((120.0, [("flank_profile", pytest.approx(3.0))]), (60.0, [])):
+        fit: Any = SimpleNamespace(left=(np.full(80, size * UM),))
+        assert _wide(problem, fit) == found
 
 
 @pytest.mark.parametrize(("closed", "words"), [(0.94, "closes 94 % of the gap"), (-0.01, "nuisances alone leave as little")])
