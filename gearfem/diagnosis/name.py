@@ -74,7 +74,8 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
     first = _of_means(problem, alone.settings, common, progress)
     second, wavy = _of_teeth(problem, first.fit, single, progress)
-    taking_part = bool(second.fit.effects) if first.fit.effects else first.verdict == "unexplained" and second.gains
+    missed = first.verdict == "unexplained" or first.left > 1.0
+    taking_part = bool(second.fit.effects) if first.fit.effects else missed and second.gains
     if not wavy and taking_part:
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
         first = _of_all(problem, first, second.best, common, progress)

@@ -23,7 +23,19 @@ from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, stays
 from gearfem.diagnosis.select import _settled_hopeless
 from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.verdict import Verdict, _mirrored, _misshapen, _unlikely, _wide, closure, explains, judge, needed, sentence_of
+from gearfem.diagnosis.verdict import (
+    Verdict,
+    _mirrored,
+    _misshapen,
+    _unlikely,
+    _verdict_on,
+    _wide,
+    closure,
+    explains,
+    judge,
+    needed,
+    sentence_of,
+)
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -225,6 +237,11 @@ def test_rows_that_name_nothing_and_leave_no_gap_change_no_verdict(
     judged = _by_rows(found.problem, means, (), {}, quiet)
     assert (judged.verdict, judged.without) == (verdict, verdict)
     assert judged.reasons[-1] == "row by row: far off"
+
+
+@pytest.mark.parametrize(("left", "verdict"), [(0.9, "no_discrepancy"), (1.4, "no_discrepancy"), (1.6, "unexplained")])
+def test_a_gap_that_some_healthy_pairs_leave_says_nothing_is_missing(found: Diagnosis, left: float, verdict: str) -> None:
+    assert _verdict_on(found.problem, found.naming.alone, 0.0, (left, left), sound=True, close=[]) == verdict
 
 
 @pytest.mark.parametrize(("moved", "unlikely"), [(1.2, False), (2.0, True)])
