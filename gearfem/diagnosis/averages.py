@@ -126,7 +126,8 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     Returns
     -------
     Problem
-        Records over the teeth of a gear, which hold nothing that all teeth share, are left out; so is the largest Kw of turns beside other
+        Records over the teeth of a gear, which hold nothing that all teeth share, are left out, and those of which means tell nothing
+        (`Problem.untold`); so is the largest Kw of turns beside other
         motions, which costs most and is missed by so much that it adds nothing.
 
     Notes
@@ -139,7 +140,8 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     campaign = problem.campaign
     moving = any(record.quantity.moving and all_but_largest(record.quantity) for record in problem.records)
     over = (i for i, record in enumerate(problem.records) if record.quantity.axis != "tooth")
-    kept = [i for i in over if not moving or all_but_largest(problem.records[i].quantity)]
+    told = (i for i in over if problem.records[i].file not in problem.untold)
+    kept = [i for i in told if not moving or all_but_largest(problem.records[i].quantity)]
     records = tuple(problem.records[i] for i in kept)
     noises = tuple(_mean(record, problem.noises[i], campaign.setup.pair) for record, i in zip(records, kept, strict=True))
 
@@ -156,7 +158,7 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     found.counts = np.array([float(len(noise.whitener.apply(record.value))) for record, noise in zip(records, noises, strict=True)])
     usual = bench(())
     found.floor = np.array(
-        [_floor(record, noise, usual.pair, _hammering(record, usual, settings)) for record, noise in zip(records, noises, strict=True)]
+        [_floor(record, noise, usual.pair, hammering(record, usual, settings)) for record, noise in zip(records, noises, strict=True)]
     )
     return found
 
@@ -184,9 +186,9 @@ def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect,
     found = Problem(problem.campaign, records, noises, bench=problem.make, unknowns=unknowns, known=(*problem.known, *effects))
     found.least = SINGLE
     usual = found.bench(())
-    hammering = np.array([_hammering(record, usual, settings) for record in records])
+    apart = np.array([hammering(record, usual, settings) for record in records])
     course = np.array([np.std(record.value[record.keep]) / noise.std for record, noise in zip(records, noises, strict=True)])
-    found.floor += hammering * np.maximum(1.0 + (ANY * course) ** 2 - found.floor, 0.0)
+    found.floor += apart * np.maximum(1.0 + (ANY * course) ** 2 - found.floor, 0.0)
     return found
 
 
@@ -296,7 +298,7 @@ def turns_round(record: Measurement) -> bool:
     return record.quantity.name == "static_transmission_error"
 
 
-def _hammering(record: Measurement, bench: SystemBench, settings: Settings) -> float:
+def hammering(record: Measurement, bench: SystemBench, settings: Settings) -> float:
     """Return how far the motion of a record as settings have it is one whose flanks hammer, from 0 to 1: apart for much of the time."""
     if not record.quantity.moving or record.quantity.axis != "angle":
         return 0.0

@@ -25,6 +25,7 @@ from gearfem.diagnosis.averages import (
 )
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.hammering import left_open, untold
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label, near_by
 from gearfem.diagnosis.select import select
@@ -67,12 +68,17 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     where nuisances and errors of our own model stand; then, these standing still, effects of single teeth and turns by the records row by
     row (`of_single_teeth`). Beside those the first kind is judged anew, or selected anew where any of the second was found, and those
     judged anew beside it. What means name nothing of is asked from the slow records row by row (`row_by_row`). Campaigns without a record
-    over the pinion angle have no means and are searched once for all effects.
+    over the pinion angle have no means and are searched once for all effects. Motions that hammer, and whose rows the names by their means
+    leave worse than nuisances alone do, are left out of the means (`untold`).
     """
     if not has_means(problem):
         return select(problem, alone, kinds, progress)
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
+    problem.untold = ()
     first = _of_means(problem, alone.settings, common, progress)
+    problem.untold = untold(problem, first)
+    if problem.untold:
+        first = _of_means(problem, alone.settings, common, progress, before=first)
     second, wavy = _of_teeth(problem, first.fit, single, progress)
     missed = first.verdict == "unexplained" or first.left > 1.0
     taking_part = bool(second.fit.effects) if first.fit.effects else missed and second.gains
@@ -91,7 +97,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     if wavy:
         # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
         first = dataclasses.replace(first, verdict="unexplained", fit=first.alone, p_values=())
-    return _joined(problem, alone, first, second)
+    return left_open(problem, problem.untold, _joined(problem, alone, first, second))
 
 
 def _of_all(problem: Problem, first: Naming, single: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:

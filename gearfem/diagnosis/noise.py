@@ -175,20 +175,21 @@ def _first_order(std: float, rough: float) -> Array:
 
 
 def _words(basis: Basis, measured: float, freedom: float, record: Measurement) -> str:
-    unit, scale = record.quantity.unit, record.to_file
     stated = record.noise_std
+
+    def shown(size: float) -> str:
+        return f"{size * record.to_file:.3g} {record.quantity.unit}".rstrip()
+
     if basis == "assumed":
-        size = (stated or _assumed(record)) * scale
-        return f"noise of {size:.3g} {unit} {'as stated' if stated else 'assumed: nothing in the record shows it'}".rstrip()
-    where = WHERE[basis]
-    text = f"noise of {measured * scale:.3g} {unit} from {where} ({freedom:.0f} degrees of freedom)"
+        return f"noise of {shown(stated or _assumed(record))} {'as stated' if stated else 'assumed: nothing in the record shows it'}"
+    text = f"noise of {shown(measured)} from {WHERE[basis]} ({freedom:.0f} degrees of freedom)"
     if stated is None:
         return text
     spread = 1.0 + 4.0 / math.sqrt(2.0 * freedom)
     if measured > spread * stated:
-        return f"{text}, {measured / stated:.2g} times the stated {stated * scale:.3g} {unit}: teeth act on each other, or something drifts"
+        return f"{text}, {measured / stated:.2g} times the stated {shown(stated)}: teeth act on each other, or something drifts"
     if measured < stated / spread:
-        return f"{text}, below the stated {stated * scale:.3g} {unit}, which is taken"
+        return f"{text}, below the stated {shown(stated)}, which is taken"
     return f"{text}, as stated"
 
 

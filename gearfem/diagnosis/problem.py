@@ -68,6 +68,8 @@ class Problem:
     ----------
     make : callable
         Makes the model with effects, those known not among them.
+    untold : tuple of str
+        Files of records whose means over the pitches tell nothing.
     wander, least : float
         By how much scores of the same explanation may differ, and what a name must gain whatever the number of rows.
     share : float
@@ -99,6 +101,7 @@ class Problem:
     wander: float = WANDER
     least: float = WANDER
     share: float = IMITATED
+    untold: tuple[str, ...] = ()
 
     def __init__(
         self,

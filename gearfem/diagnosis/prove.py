@@ -160,7 +160,7 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     drafts = []
     for number, record in enumerate(campaign.records):
         progress("proof", number, len(campaign.records))
-        drafts.append(tuple(_left(record, system) for system in systems))
+        drafts.append(tuple(left_of(record, system) for system in systems))
     progress("proof", len(campaign.records), len(campaign.records))
     corrections = _corrections(problem, alone, {r.file: parts[1][0] for r, parts in zip(campaign.records, drafts, strict=True)})
     waviness = _waviness(problem, fit)
@@ -184,7 +184,7 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     return _judged(tuple(gaps), bool(fit.effects))
 
 
-def _left(record: Measurement, system: System) -> tuple[Array, float, int]:
+def left_of(record: Measurement, system: System) -> tuple[Array, float, int]:
     """Return what a frozen model leaves of a record, the constant that was fitted, and the first tooth."""
     firsts = [0]
     if not record.tooth_known:
@@ -213,7 +213,7 @@ def _parametric(record: Measurement, fit: Fit, setup: Setup, left: Array) -> flo
             ahead[place] = min(max(values[place] + step, low[place]), high[place])
             # What cannot be computed so far off says nothing of the doubt.
             with contextlib.suppress(InputError, SolveError):
-                moved = _left(record, calibrated(setup, fit.settings, parameters.moved(fit.effects, ahead)))[0]
+                moved = left_of(record, calibrated(setup, fit.settings, parameters.moved(fit.effects, ahead)))[0]
                 total += 0.5 * float(np.mean((moved - left)[record.keep] ** 2))
     return math.sqrt(total)
 

@@ -20,11 +20,11 @@ from gearfem.diagnosis.averages import (
     PLACES,
     SLOW,
     _floor,
-    _hammering,
     _lines,
     _mean,
     all_but_largest,
     averaged,
+    hammering,
     of_single_teeth,
     of_teeth,
     shows_in_means,
@@ -101,7 +101,7 @@ def test_motions_whose_flanks_hammer_may_be_missed_by_more(scattered: Comparison
     record = scattered.problem.records[0]
     fast = dataclasses.replace(record, quantity=QUANTITIES["dynamic_transmission_error"], pinion_speed=500.0)
     late = dataclasses.replace(neutral(pair), pinion_late=np.tile([60.0 * UM, 0.0], 7)[:13])
-    assert [_hammering(one, bench, settings) for one, settings in ((fast, neutral(pair)), (fast, late), (record, late))] == [0.0, 1.0, 0.0]
+    assert [hammering(one, bench, settings) for one, settings in ((fast, neutral(pair)), (fast, late), (record, late))] == [0.0, 1.0, 0.0]
     noise = scattered.problem.noises[0]
     mean = _mean(fast, noise, pair)
     held, parted = (_floor(fast, mean, pair, parts) for parts in (0.0, 1.0))
