@@ -215,14 +215,14 @@ def _map(sheet: Sheet, root: Array, mean: Array, spread: Array, expected: Array)
 def _taken_up(problem: Problem, fit: Fit) -> Iterator[Place]:
     """Yield teeth, and waves of a turn, whose index errors stand out: a fit leaves nothing of what they do."""
     pair, late = problem.campaign.setup.pair, (fit.settings.pinion_late, fit.settings.wheel_late)
-    angles = [record for record in problem.records if record.quantity.axis == "angle"]
+    file = next((record for record in problem.records if record.quantity.axis == "angle"), problem.records[0]).file
     squares = max(sum(float(own @ own) for own in late), 1e-300)
     for member, own, turn, (teeth, waves) in zip(MEMBERS, late, (1.0, 1.0 / pair.ratio), deviating(problem, fit), strict=False):
         for tooth in np.flatnonzero(teeth > LOST):
             apart = float(own[tooth] - np.median(own))
             size = f"{abs(apart) / UM:.3g} um {'late' if apart > 0.0 else 'early'}, {teeth[tooth]:.1f} times the scatter of the others"
             yield Place(
-                record=angles[0].file,
+                record=file,
                 domain="tooth",
                 zone=f"{member}:{tooth}",
                 share_of_residual=min(apart**2 / squares, 1.0),
@@ -233,7 +233,7 @@ def _taken_up(problem: Problem, fit: Fit) -> Iterator[Place]:
         if waves[number] > LOST:
             amplitude = float(abs(np.fft.rfft(own)[number + 1])) * 2.0 / own.size
             yield Place(
-                record=angles[0].file,
+                record=file,
                 domain="order",
                 zone=f"{(number + 1) * turn:.6g}",
                 share_of_residual=min(0.5 * amplitude**2 * own.size / squares, 1.0),

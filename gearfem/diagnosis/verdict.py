@@ -40,7 +40,7 @@ ASTRAY = 4.0
 # Chance of nuisances and errors of the model as far off together, below which they do the work of an effect; and of noise off the rig,
 # below which it is a gap.
 UNLIKELY = 0.01
-# What may remain beside a name that stands, in gaps; and without any, before something is said to be missing that has no name: of 107
+# What may remain beside a name that stands, in gaps; and without any, before something is said to be missing that has no name: of 78
 # healthy pairs of another simulator nuisances leave up to 1.4, of one 2.2, and of causes outside the catalogue 2.6 and more.
 REST, OPEN = 2.4, 1.5
 
