@@ -86,9 +86,11 @@ def _told_of(lost: list[str]) -> Iterator[None]:
         raise SystemExit(128 + number)
 
     sys.unraisablehook = hook
-    # Python lets the main thread alone have signals.
-    handlers = {signal.SIGINT: interrupt, signal.SIGTERM: terminate} if threading.current_thread() is threading.main_thread() else {}
-    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
+    # Python lets the main thread alone have signals; what whoever started the program has it ignore stays so.
+    main = threading.current_thread() is threading.main_thread()
+    handlers = {signal.SIGINT: interrupt, signal.SIGTERM: terminate} if main else {}
+    heard = {number: handler for number, handler in handlers.items() if signal.getsignal(number) is not signal.SIG_IGN}
+    before = {number: signal.signal(number, handler) for number, handler in heard.items()}
     try:
         yield
     finally:

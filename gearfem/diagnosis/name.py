@@ -62,6 +62,11 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     Naming
         The problem is then prepared where its fit stands.
 
+    Raises
+    ------
+    InputError, SolveError
+        If the records cannot be computed where the nuisances stand.
+
     Notes
     -----
     Effects of all teeth, and what does not come back with the turns, are selected by the means over the pitches (`averaged`), which say

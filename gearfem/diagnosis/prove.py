@@ -146,6 +146,11 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     -------
     Proof
 
+    Raises
+    ------
+    InputError, SolveError
+        If a record cannot be computed with what was fitted.
+
     Notes
     -----
     On each record, of either role, only what it leaves unknown is fitted: its constant, and its first tooth where that is

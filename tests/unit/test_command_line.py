@@ -194,6 +194,29 @@ def test_an_interrupt_that_is_lost_in_a_callback_still_counts(tmp_path, monkeypa
     assert (result.exit_code, result.stdout, result.stderr) == (130, "", "interrupted\n")
 
 
+@pytest.mark.parametrize(("number", "status", "line"), [(signal.SIGINT, 130, "interrupted\n"), (signal.SIGTERM, 143, "")])
+def test_signals_end_a_command_however_they_come_out(tmp_path, monkeypatch, number, status, line):
+    """As in the middle of an import, which makes an error of its own of an interrupt; whatever computes is left on the way."""
+    left = []
+
+    def fail(*_: object) -> None:
+        try:
+            os.kill(os.getpid(), number)
+            time.sleep(5.0)
+        except KeyboardInterrupt:
+            raise ImportError("half imported") from None
+        finally:
+            left.append("left")
+
+    monkeypatch.setattr(work, "kinematics", fail)
+    before = signal.signal(number, signal.default_int_handler)
+    try:
+        result = call("kinematics", MODEL, "--out", tmp_path)
+    finally:
+        signal.signal(number, before)
+    assert (result.exit_code, result.stderr, left) == (status, line, ["left"])
+
+
 def test_interrupting_the_real_program_leaves_no_part_of_a_file(tmp_path):
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     command = [sys.executable, "-m", "gearfem", "run", MODEL, "--out", str(tmp_path)]
