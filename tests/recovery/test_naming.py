@@ -244,6 +244,13 @@ def test_a_gap_that_some_healthy_pairs_leave_says_nothing_is_missing(found: Diag
     assert _verdict_on(found.problem, found.naming.alone, 0.0, (left, left), sound=True, close=[]) == verdict
 
 
+@pytest.mark.parametrize(
+    ("level", "left", "verdict"), [(145.0, 3.1, "partly_explained"), (17.0, 4.4, "unexplained"), (20.0, 2.0, "explained")]
+)
+def test_a_name_stands_beside_a_rest_that_is_little_of_the_gap(found: Diagnosis, level: float, left: float, verdict: str) -> None:
+    assert _verdict_on(found.problem, found.naming.fit, 0.95, (level, left), sound=False, close=[]) == verdict
+
+
 @pytest.mark.parametrize(("moved", "unlikely"), [(1.2, False), (2.0, True)])
 def test_nuisances_that_are_each_likely_may_not_be_so_together(found: Diagnosis, moved: float, unlikely: bool) -> None:
     """Wherever the zero of the angle is, of which nothing is known."""
