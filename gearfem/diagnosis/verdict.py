@@ -43,9 +43,9 @@ UNLIKELY = 0.01
 # What may remain beside a name that stands, in gaps; and without any, before something is said to be missing that has no name: of 78
 # healthy pairs of another simulator nuisances leave up to 1.4, of one 2.2, and of causes outside the catalogue 2.6 and more.
 REST, OPEN = 2.4, 1.5
-# Part of what nuisances alone leave that may remain all the same: shapes of real effects differ from ours. Right names have left up to 0.10
-# of it, wrong ones in the place of bodies and leads 0.26 and more.
-RESEMBLES = 0.15
+# Part of what nuisances alone leave that may remain all the same, and gaps at most: shapes of real effects differ from ours. Right names
+# have left up to 0.10 of it and 3.1 gaps, wrong ones in the place of bodies and leads 0.26 and more, or, of a wave of the encoder, 560 gaps.
+RESEMBLES, WIDEST = 0.15, 4.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -245,7 +245,7 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
         Explanations that the data cannot tell from it.
     """
     level, remains = left
-    most = max(REST, RESEMBLES * level)
+    most = max(REST, min(RESEMBLES * level, WIDEST))
     if not best.effects:
         return "no_discrepancy" if level < OPEN and sound else "unexplained"
     if (remains > 1.0 and (closed < STANDS or remains > most)) or turning(problem, best) or _wrong(problem, best):

@@ -245,7 +245,8 @@ def test_a_gap_that_some_healthy_pairs_leave_says_nothing_is_missing(found: Diag
 
 
 @pytest.mark.parametrize(
-    ("level", "left", "verdict"), [(145.0, 3.1, "partly_explained"), (17.0, 4.4, "unexplained"), (20.0, 2.0, "explained")]
+    ("level", "left", "verdict"),
+    [(145.0, 3.1, "partly_explained"), (17.0, 3.4, "unexplained"), (5000.0, 500.0, "unexplained"), (20.0, 2.0, "explained")],
 )
 def test_a_name_stands_beside_a_rest_that_is_little_of_the_gap(found: Diagnosis, level: float, left: float, verdict: str) -> None:
     assert _verdict_on(found.problem, found.naming.fit, 0.95, (level, left), sound=False, close=[]) == verdict
