@@ -44,7 +44,7 @@ UNLIKELY = 0.01
 # healthy pairs of another simulator nuisances leave up to 1.4, of one 2.2, and of causes outside the catalogue 2.6 and more.
 REST, OPEN = 2.4, 1.5
 # Part of what nuisances alone leave that may remain all the same, and gaps at most: shapes of real effects differ from ours. Right names
-# have left up to 0.10 of it and 3.1 gaps, wrong ones in the place of bodies and leads 0.26 and more, or, of a wave of the encoder, 560 gaps.
+# have left up to 0.10 of it and 3.1 gaps, wrong ones in the place of bodies and leads 0.26 and more, or, for an encoder, 560 gaps.
 RESEMBLES, WIDEST = 0.15, 4.0
 
 
