@@ -17,11 +17,11 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.held_out import as_held_out_leaves
 from gearfem.diagnosis.localise import Localisation, localise
 from gearfem.diagnosis.name import name
+from gearfem.diagnosis.naming import Naming, Rival
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.prove import Proof, prove
 from gearfem.diagnosis.search import stays
 from gearfem.diagnosis.suggest import Suggestion, suggest
-from gearfem.diagnosis.verdict import Naming, Rival
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, Record
 from gearfem.foundation.progress import Progress, quiet

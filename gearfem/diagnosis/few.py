@@ -10,11 +10,12 @@ from scipy.stats import chi2
 
 from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.gap import closure, gap_left, gaps
 from gearfem.diagnosis.marginal import marginal
+from gearfem.diagnosis.naming import Naming, Rival, sentence_of
 from gearfem.diagnosis.nuisances import BUILD
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search
-from gearfem.diagnosis.verdict import Naming, Rival, closure, gap_left, gaps, sentence_of
 from gearfem.foundation.progress import Progress
 
 # Chance of a gap as wide in noise and nuisances alone, below which it is one.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,10 +9,9 @@ import numpy as np
 from gearfem.diagnosis.averages import hammering
 from gearfem.diagnosis.calibrate import calibrated
 from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.measurement import Measurement
+from gearfem.diagnosis.measurement import Measurement, left_of
+from gearfem.diagnosis.naming import Naming
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.prove import left_of
-from gearfem.diagnosis.verdict import Naming, sentence_of
 
 # What names may leave of rows over what nuisances alone leave, before a mean speaks for nothing; and what is little enough to be met.
 WORSE, MET = 1.2, 0.5
@@ -38,9 +36,12 @@ def untold(problem: Problem, naming: Naming) -> tuple[str, ...]:
     Once flanks part, the mean over the pitches is that of a motion that does not come back with the pitch: a ripple that nobody knows of
     moves it as a backlash would, which leaves the rows farther off.
     """
+    if not naming.fit.effects:
+        return ()
     fits, found = (naming.alone, naming.fit), []
-    for record in problem.records if naming.fit.effects else ():
-        if not any(hammering(record, problem.bench(fit.effects), fit.settings) > 0.0 for fit in fits):
+    benches = [problem.bench(fit.effects) for fit in fits]
+    for record in problem.records:
+        if not any(hammering(record, bench, fit.settings) > 0.0 for bench, fit in zip(benches, fits, strict=True)):
             continue
         before, after = (_rms(problem, record, fit) for fit in fits)
         if after > WORSE * before:
@@ -58,11 +59,7 @@ def left_open(problem: Problem, files: Sequence[str], naming: Naming) -> Naming:
     if not missed or not naming.fit.effects:
         return naming
     reason = f"Left out of the means, and open: {', '.join(missed)}, whose flanks hammer; names by their means left their rows worse."
-    naming = dataclasses.replace(naming, reasons=(*naming.reasons, reason))
-    if naming.verdict != "explained":
-        return naming
-    sentence = sentence_of("partly_explained", naming.fit, naming.closed)
-    return dataclasses.replace(naming, verdict="partly_explained", sentence=sentence)
+    return naming.with_rest(reason)
 
 
 def _rms(problem: Problem, record: Measurement, fit: Fit) -> float:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 
+from gearfem.diagnosis.naming import Naming, Verdict, sentence_of
 from gearfem.diagnosis.prove import Gap, Proof
-from gearfem.diagnosis.verdict import Naming, Verdict, sentence_of
 
 # What a record held out may be left with, in parts of what can be expected of it, unless at least this share of its gap is closed.
 OPEN, CLOSES = 2.0, 0.5
@@ -51,8 +51,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     if naming.verdict != "explained" or not open_gaps:
         return naming
     reason = f"A gap stays open on records held out ({_files(open_gaps)}): something else acts there, or the effects are not quite these."
-    sentence = sentence_of("partly_explained", naming.fit, naming.closed)
-    return dataclasses.replace(naming, verdict="partly_explained", sentence=sentence, reasons=(*naming.reasons, reason))
+    return naming.with_rest(reason)
 
 
 def _files(gaps: Sequence[Gap]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from gearfem.definition.setup import Member
 from gearfem.diagnosis.quantities import QUANTITIES, Quantity
 from gearfem.diagnosis.roles import Role
 from gearfem.foundation import Array, Record
-from gearfem.sensing import Request, requests
+from gearfem.sensing import Request, System, observe, requests
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -97,6 +98,24 @@ def make_record(name: str, axis: Array, value: Array | None = None, **stated: An
     """
     value = np.zeros(len(axis)) if value is None else value
     return Measurement(**{"file": name, **_whole(axis), **stated}, quantity=QUANTITIES[name], axis=axis, value=value)
+
+
+def left_of(record: Measurement, system: System) -> tuple[Array, float, int]:
+    """Return what a frozen model leaves of a record, the constant that was fitted, and the first tooth."""
+    firsts = [0]
+    if not record.tooth_known:
+        pair = system.setup.pair
+        firsts = list(range((pair.wheel if record.gear == "wheel" else pair.pinion).teeth))
+    best: tuple[Array, float, int] | None = None
+    least = math.inf
+    for first in firsts:
+        gap = record.value - observe(system, record.request(first))
+        offset = float(gap[record.keep].mean()) if record.quantity.free_constant else 0.0
+        size = float(np.sum((gap[record.keep] - offset) ** 2))
+        if size < least:
+            best, least = (gap - offset, offset, first), size
+    assert best is not None
+    return best
 
 
 def _whole(axis: Array) -> dict[str, Any]:

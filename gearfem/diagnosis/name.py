@@ -25,12 +25,15 @@ from gearfem.diagnosis.averages import (
 )
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.gap import closure, gap_left
 from gearfem.diagnosis.hammering import left_open, untold
+from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label, near_by
 from gearfem.diagnosis.select import select
 from gearfem.diagnosis.side_by_side import counted
-from gearfem.diagnosis.verdict import REST, Naming, Rival, Verdict, closure, explains, gap_left, judge, sentence_of, turning
+from gearfem.diagnosis.suspects import turning
+from gearfem.diagnosis.verdict import REST, explains, judge
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
@@ -79,30 +82,30 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     if not has_means(problem):
         return select(problem, alone, kinds, progress)
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
-    problem.untold = ()
-    first = _of_means(problem, alone.settings, common, progress)
-    problem.untold = untold(problem, first)
-    if problem.untold:
-        first = _of_means(problem, alone.settings, common, progress, before=first)
-    second, wavy = _of_teeth(problem, first.fit, single, progress)
+    told = copy.copy(problem)
+    first = _of_means(told, alone.settings, common, progress)
+    told.untold = untold(told, first)
+    if told.untold:
+        first = _of_means(told, alone.settings, common, progress, before=first)
+    second, wavy = _of_teeth(told, first.fit, single, progress)
     missed = first.verdict == "unexplained" or first.left > 1.0
     taking_part = bool(second.fit.effects) if first.fit.effects else missed and second.gains
     if not wavy and taking_part:
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
-        first = _of_all(problem, first, second.best, common, progress)
+        first = _of_all(told, first, second.best, common, progress)
         if not second.fit.effects:
-            second, wavy = _of_teeth(problem, first.fit, single, progress, second)
+            second, wavy = _of_teeth(told, first.fit, single, progress, second)
     elif not wavy and first.fit.effects:
-        first = _of_means_anew(problem, first, second, progress)
+        first = _of_means_anew(told, first, second, progress)
     elif not wavy:
-        rows = _by_rows(problem, first, second.fit.effects, common, progress)
+        rows = _by_rows(told, first, second.fit.effects, common, progress)
         if rows.fit.effects:
-            second, wavy = _of_teeth(problem, rows.fit, single, progress)
+            second, wavy = _of_teeth(told, rows.fit, single, progress)
         first = rows
     if wavy:
         # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
         first = dataclasses.replace(first, verdict="unexplained", fit=first.alone, p_values=())
-    return left_open(problem, problem.untold, _joined(problem, alone, first, second))
+    return left_open(problem, told.untold, _joined(problem, alone, first, second))
 
 
 def _of_all(problem: Problem, first: Naming, single: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:

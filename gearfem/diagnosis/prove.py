@@ -16,7 +16,7 @@ from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.calibrate import calibrated
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.largest import at_peaks, expected
-from gearfem.diagnosis.measurement import Measurement
+from gearfem.diagnosis.measurement import Measurement, left_of
 from gearfem.diagnosis.noise import Noise, measure_noise
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.roles import ROLES, Role
@@ -26,7 +26,6 @@ from gearfem.diagnosis.teeth import tooth_columns
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.foundation.units import digits
-from gearfem.sensing import System, observe
 
 # Part of a record over which what is left may be alike.
 BLOCKS = 10
@@ -187,24 +186,6 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
             )
         )
     return _judged(tuple(gaps), bool(fit.effects))
-
-
-def left_of(record: Measurement, system: System) -> tuple[Array, float, int]:
-    """Return what a frozen model leaves of a record, the constant that was fitted, and the first tooth."""
-    firsts = [0]
-    if not record.tooth_known:
-        pair = system.setup.pair
-        firsts = list(range((pair.wheel if record.gear == "wheel" else pair.pinion).teeth))
-    best: tuple[Array, float, int] | None = None
-    least = math.inf
-    for first in firsts:
-        gap = record.value - observe(system, record.request(first))
-        offset = float(gap[record.keep].mean()) if record.quantity.free_constant else 0.0
-        size = float(np.sum((gap[record.keep] - offset) ** 2))
-        if size < least:
-            best, least = (gap - offset, offset, first), size
-    assert best is not None
-    return best
 
 
 def _parametric(record: Measurement, fit: Fit, setup: Setup, left: Array) -> float:

@@ -12,13 +12,16 @@ import numpy as np
 from gearfem.diagnosis.candidate import Candidate, together
 from gearfem.diagnosis.few import judge_few
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.gap import gap_left
 from gearfem.diagnosis.identify import Identifiability, identify
+from gearfem.diagnosis.naming import Naming
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import rank, rank_again
 from gearfem.diagnosis.screen import in_place, screened
 from gearfem.diagnosis.search import MOST, Search, Start, label, way_of, without_one
 from gearfem.diagnosis.shapes import bounded, stands
-from gearfem.diagnosis.verdict import Naming, gap_left, judge, outscored, sound
+from gearfem.diagnosis.suspects import sound
+from gearfem.diagnosis.verdict import judge, outscored
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet

@@ -12,9 +12,9 @@ import numpy as np
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.largest import expected
+from gearfem.diagnosis.naming import Rival
 from gearfem.diagnosis.prove import Gap
 from gearfem.diagnosis.updated import effect_table, write_updated
-from gearfem.diagnosis.verdict import Rival
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError

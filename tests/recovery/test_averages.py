@@ -35,13 +35,15 @@ from gearfem.diagnosis.averages import (
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit, again
+from gearfem.diagnosis.gap import gap_left
 from gearfem.diagnosis.name import _by_rows, _joined, _of_means, _told_apart, _verdict
+from gearfem.diagnosis.naming import Naming, Rival, Verdict
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.pitch_point import turned_round
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.verdict import Naming, Rival, Verdict, explains, gap_left
+from gearfem.diagnosis.verdict import explains
 from gearfem.diagnosis.whitening import make_whitener
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.friction import Friction

@@ -13,29 +13,20 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fit import Fit, _inexact
+from gearfem.diagnosis.gap import closure, wide
 from gearfem.diagnosis.index_errors import odd_of, uneven, waves_of
 from gearfem.diagnosis.measurement import make_record
 from gearfem.diagnosis.mimic import _form_scales, mimicked
 from gearfem.diagnosis.model_form import form_errors
 from gearfem.diagnosis.name import _by_rows
+from gearfem.diagnosis.naming import Verdict, sentence_of
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, stays
 from gearfem.diagnosis.select import _settled_hopeless
+from gearfem.diagnosis.suspects import misshapen, unlikely
 from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.verdict import (
-    Verdict,
-    _mirrored,
-    _misshapen,
-    _unlikely,
-    _verdict_on,
-    _wide,
-    closure,
-    explains,
-    judge,
-    needed,
-    sentence_of,
-)
+from gearfem.diagnosis.verdict import _mirrored, _verdict_on, explains, judge, needed
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -252,15 +243,15 @@ def test_a_name_stands_beside_a_rest_that_is_little_of_the_gap(found: Diagnosis,
     assert _verdict_on(found.problem, found.naming.fit, 0.95, (level, left), sound=False, close=[]) == verdict
 
 
-@pytest.mark.parametrize(("moved", "unlikely"), [(1.2, False), (2.0, True)])
-def test_nuisances_that_are_each_likely_may_not_be_so_together(found: Diagnosis, moved: float, unlikely: bool) -> None:
+@pytest.mark.parametrize(("moved", "improbable"), [(1.2, False), (2.0, True)])
+def test_nuisances_that_are_each_likely_may_not_be_so_together(found: Diagnosis, moved: float, improbable: bool) -> None:
     """Wherever the zero of the angle is, of which nothing is known."""
     problem, alone = found.problem, found.naming.alone
     unknown = alone.point.unknown.copy()
     unknown[: problem.outer] = moved
     unknown[[nuisance.name for nuisance in problem.nuisances].index("angle_offset")] = 9.0
     unknown[problem.unknowns.wrong] = -moved
-    assert _unlikely(problem, dataclasses.replace(alone, point=dataclasses.replace(alone.point, unknown=unknown))) is unlikely
+    assert unlikely(problem, dataclasses.replace(alone, point=dataclasses.replace(alone.point, unknown=unknown))) is improbable
 
 
 def test_a_smooth_shape_in_smooth_noise_is_no_agreement() -> None:
@@ -269,7 +260,7 @@ def test_a_smooth_shape_in_smooth_noise_is_no_agreement() -> None:
     problem: Any = SimpleNamespace(records=(record,), noises=(SimpleNamespace(std=40.0 * UM),))
     for size, found in ((120.0, [("flank_profile", pytest.approx(3.0))]), (60.0, [])):
         fit: Any = SimpleNamespace(left=(np.full(80, size * UM),))
-        assert _wide(problem, fit) == found
+        assert wide(problem, fit) == found
 
 
 @pytest.mark.parametrize(("closed", "words"), [(0.94, "closes 94 % of the gap"), (-0.01, "nuisances alone leave as little")])
@@ -298,7 +289,7 @@ def test_errors_of_the_model_too_large_to_be_any_are_told_and_common_forms_toget
     unknowns = SimpleNamespace(wrong=slice(2, 8), errors=VARIANTS)
     moved = np.array([9.0, 9.0, 0.0, -5.5, 4.9, 0.0, 0.0, 0.0, 6.0, -7.0, 5.0, 8.0])
     problem, fit = SimpleNamespace(unknowns=unknowns), SimpleNamespace(point=SimpleNamespace(unknown=moved))
-    told = _misshapen(cast(Problem, problem), cast(Fit, fit))
+    told = misshapen(cast(Problem, problem), cast(Fit, fit))
     assert [size for _, size in told] == pytest.approx([-5.5, math.sqrt(36.0 + 49.0 + 25.0), 8.0])
     assert ["gear bodies" in told[0][0], "forms common" in told[1][0], "largest Kw" in told[2][0]] == [True, True, True]
 

@@ -8,8 +8,8 @@ import pytest
 from gearfem.diagnosis import read_campaign
 from gearfem.diagnosis.averages import teeth_under
 from gearfem.diagnosis.compare import compare
+from gearfem.diagnosis.naming import Naming
 from gearfem.diagnosis.select import select
-from gearfem.diagnosis.verdict import Naming
 from gearfem.effects.pitch_error import PitchError
 from tests.recovery.rig import PLAN, TORQUES, on_the_rig
 

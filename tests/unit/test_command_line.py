@@ -2,59 +2,25 @@
 
 from __future__ import annotations
 
-import csv
-import ctypes
 import functools
-import os
-import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from gearfem.cli import main
 from gearfem.cli import steps as work
 from gearfem.cli.listener import Bars
-from gearfem.cli.steps import SUPPORTS
 from gearfem.compliance import SolidElements
-from gearfem.compliance.mesh_file import read_mesh
-from gearfem.flank import make_flanks
-from gearfem.foundation import InputError, SolveError
-from gearfem.model import load_model
+from tests.unit.shell import MODEL, assert_refused, call, rows
 
-MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
 MESHES = Path(__file__).parents[2] / "meshes"
 COMMANDS = ["run", "compliance", "stiffness", "kinematics", "dynamics", "render", "mesh"]
 
 
-def call(*words: object):
-    """Run one command in this process."""
-    return CliRunner().invoke(main, [str(word) for word in words])
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a table, its comments left out."""
-    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
-    return list(csv.DictReader(lines))
-
-
 # ---- failing ----------------------------------------------------------------------------------------
-
-
-def assert_refused(result, *words: str) -> None:
-    """Check that a command ended by one line on stderr with status 2 and computed nothing."""
-    assert result.exit_code == 2
-    assert result.stdout == ""
-    assert result.stderr.count("\n") == 1
-    assert result.stderr.startswith("error: ")
-    assert "Traceback" not in result.output
-    for word in words:
-        assert word in result.stderr
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -147,90 +113,6 @@ def test_a_folder_in_the_place_of_a_file_is_named_itself(tmp_path):
     result = call("kinematics", MODEL, "--out", tmp_path, "--steps", 200)
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == f"error: {tmp_path / 'kinematics.csv'}: is a directory\n"
-
-
-@pytest.mark.parametrize(
-    ("error", "status", "line"),
-    [
-        (SolveError("no balance after\n60 steps"), 1, "error: no balance after 60 steps\n"),
-        (FloatingPointError("Engagement.force holds a value that is not finite"), 1, "error: Engagement.force holds"),
-        (MemoryError("Unable to allocate 95 GiB"), 1, "error: not enough memory (Unable to allocate 95 GiB)"),
-        (KeyboardInterrupt(), 130, "interrupted\n"),
-        (PermissionError(13, "Permission denied", "/there"), 1, "error: /there: permission denied\n"),
-    ],
-)
-def test_what_fails_on_the_way_is_one_line_with_its_own_status(tmp_path, monkeypatch, error, status, line):
-    def fail(*_: object) -> None:
-        raise error
-
-    monkeypatch.setattr(work, "kinematics", fail)
-    result = call("kinematics", MODEL, "--out", tmp_path)
-    assert (result.exit_code, result.stdout) == (status, "")
-    assert result.stderr.startswith(line)
-    assert result.stderr.count("\n") == 1
-
-
-@pytest.mark.parametrize("error", [ZeroDivisionError("a defect of the program"), RuntimeError("another one")])
-def test_an_unforeseen_error_is_not_hidden(tmp_path, monkeypatch, error):
-    def fail(*_: object) -> None:
-        raise error
-
-    monkeypatch.setattr(work, "kinematics", fail)
-    assert call("kinematics", MODEL, "--out", tmp_path).exception is error
-
-
-def test_an_interrupt_that_is_lost_in_a_callback_still_counts(tmp_path, monkeypatch):
-    """As in the middle of a compilation: Python drops it there, and what was left undone fails later."""
-
-    def interrupted() -> None:
-        raise KeyboardInterrupt
-
-    def fail(*_: object) -> None:
-        ctypes.CFUNCTYPE(None)(interrupted)()
-        raise RuntimeError("no compiled object yet")
-
-    monkeypatch.setattr(work, "kinematics", fail)
-    result = call("kinematics", MODEL, "--out", tmp_path)
-    assert (result.exit_code, result.stdout, result.stderr) == (130, "", "interrupted\n")
-
-
-@pytest.mark.parametrize(("number", "status", "line"), [(signal.SIGINT, 130, "interrupted\n"), (signal.SIGTERM, 143, "")])
-def test_signals_end_a_command_however_they_come_out(tmp_path, monkeypatch, number, status, line):
-    """As in the middle of an import, which makes an error of its own of an interrupt; whatever computes is left on the way."""
-    left = []
-
-    def fail(*_: object) -> None:
-        try:
-            os.kill(os.getpid(), number)
-            time.sleep(5.0)
-        except KeyboardInterrupt:
-            raise ImportError("half imported") from None
-        finally:
-            left.append("left")
-
-    monkeypatch.setattr(work, "kinematics", fail)
-    before = signal.signal(number, signal.default_int_handler)
-    try:
-        result = call("kinematics", MODEL, "--out", tmp_path)
-    finally:
-        signal.signal(number, before)
-    assert (result.exit_code, result.stderr, left) == (status, line, ["left"])
-
-
-def test_interrupting_the_real_program_leaves_no_part_of_a_file(tmp_path):
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-m", "gearfem", "run", MODEL, "--out", str(tmp_path)]
-    # Whoever runs the tests may have been told to ignore interrupts, and children inherit that.
-    obey = functools.partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment, preexec_fn=obey) as process:
-        # Long enough to be within the command, short against the whole run.
-        time.sleep(1.5)
-        process.send_signal(signal.SIGINT)
-        _, complaint = process.communicate(timeout=60)
-    assert complaint == "interrupted\n"
-    # Stopped within exec, as while dataclasses are imported, `python -m` ends by the signal itself; to a shell both are 130.
-    assert process.returncode in (130, -signal.SIGINT)
-    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
 
 
 # ---- helping ----------------------------------------------------------------------------------------
@@ -350,60 +232,6 @@ def test_whole_gears_as_solids_are_computed_when_asked_for(tmp_path, monkeypatch
     assert "left out: the whole" not in result.stdout
     table = [row for row in rows(tmp_path / "compliance.csv") if row["method"] == "fe_3d"]
     assert {(row["gear"], row["support"]) for row in table} == {("pinion", "bore"), ("wheel", "bore")}
-
-
-def test_meshes_reach_from_bore_to_tip_in_millimetres(tmp_path):
-    assert call("mesh", MODEL, "--out", tmp_path).exit_code == 0
-    for name, bore, tip in (("pinion", 30.0, 76.17), ("wheel", 60.0, 219.17)):
-        read = meshio.read(tmp_path / f"mesh_{name}.vtu")
-        radius = np.hypot(*read.points[:, :2].T)
-        assert [radius.min(), radius.max()] == pytest.approx([bore, tip], rel=1e-9, abs=0.0)
-        assert read.cells[0].type == "quad9"
-        # Nodes lie on the bore exactly; the next row is an element away.
-        assert np.array_equal(read.point_data["held"] == 1.0, radius < bore * (1 + 1e-6))
-
-
-def test_a_mesh_of_one_gear_goes_to_the_file_that_is_named(tmp_path):
-    result = call("mesh", MODEL, "--dim", 2, "--gear", "wheel", "--support", "root", "--out", tmp_path / "tooth.msh")
-    assert result.exit_code == 0, result.output
-    points = meshio.read(tmp_path / "tooth.msh").points
-    assert np.hypot(*points[:, :2].T).min() == pytest.approx(203.4, rel=1e-6, abs=0.0)
-    assert os.listdir(tmp_path) == ["tooth.msh"]
-
-
-@pytest.mark.parametrize(("ending", "kind"), [("vtu", 27), ("vtk", 27), ("msh", 27), ("mdpa", 27), ("inp", 8), ("mesh", 8), ("avs", 8)])
-@pytest.mark.parametrize("support", ["root", "bore"])
-def test_solids_come_back_with_their_elements_and_sets(tmp_path, ending, kind, support):
-    path = tmp_path / f"tooth.{ending}"
-    result = call("mesh", MODEL, "--dim", 3, "--gear", "pinion", "--support", support, "--resolution", 0.5, "--out", path)
-    assert result.exit_code == 0, result.output
-    assert ("eight-node" in result.stdout) == (kind == 8)
-    pair = load_model(MODEL).pair
-    held = SUPPORTS[support]()
-    made = SolidElements(support=held, resolution=0.5).mesh(make_flanks(load_model(MODEL)).pinion, pair.face_width)
-    read = read_mesh(path, 3)
-    ((name, cells),) = read.cells
-    assert (name, cells.shape) == ("hexahedron27" if kind == 27 else "hexahedron", (len(made.hexes), kind))
-    # Every node of every element in its place: formats number second-order nodes differently. Seven digits may be written.
-    assert np.abs(read.points[cells] - made.nodes[made.hexes[:, :kind]] * 1e3).max() < 1e-4
-    if ending not in ("vtu", "vtk", "msh", "inp"):
-        assert "no boundary sets" in result.stdout
-        return
-    kept = np.isin(np.arange(len(made.nodes)), made.hexes[:, :kind])
-    assert set(read.sets) == {support, "flank"}
-    assert len(read.sets[support]) == (made.held & kept).sum()
-    assert len(read.sets["flank"]) == (made.flank & kept).sum()
-    # Both sides of the tooth, over the whole face width.
-    sides = read.points[read.sets["flank"]]
-    assert [sides[:, 1].min(), sides[:, 2].min()] == pytest.approx([-sides[:, 1].max(), -37.5], rel=1e-6, abs=0.0)
-
-
-def test_a_plane_reader_refuses_a_solid_in_one_line(tmp_path):
-    path = tmp_path / "tooth.vtu"
-    assert call("mesh", MODEL, "--dim", 3, "--gear", "pinion", "--support", "root", "--resolution", 0.5, "--out", path).exit_code == 0
-    assert_refused(call("compliance", MODEL, "--mesh", path, "--gear", "pinion", "--out", tmp_path), "tooth.vtu", "a plane mesh")
-    with pytest.raises(InputError, match="hexahedron"):
-        read_mesh(MESHES / "coal_combine_pinion_2d.vtu", 3)
 
 
 def test_a_refusal_found_while_computing_names_the_model(tmp_path):

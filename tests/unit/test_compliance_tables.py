@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +14,7 @@ from gearfem.compliance import Castigliano, FiniteElements, Root, load_positions
 from gearfem.compliance import finite_elements as module
 from gearfem.flank import Outline, make_flanks
 from gearfem.pipeline import run
+from tests.unit.shell import rows
 
 MODEL = "studies/coal_combine/model.toml"
 
@@ -26,11 +26,6 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert result.exit_code == 0, result.output
     assert "wind-up about the bore is" in result.output
     return out
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
 def test_each_row_states_its_error_and_each_radius_stands_once(written: Path) -> None:

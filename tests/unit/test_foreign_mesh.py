@@ -9,9 +9,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
-from gearfem.cli import main
 from gearfem.compliance import FiniteElements, Root
 from gearfem.compliance.elasticity import stiffness
 from gearfem.compliance.foreign import check_mesh, foreign_curve
@@ -19,13 +17,9 @@ from gearfem.compliance.mesh_file import FLANK, MeshFile, read_mesh, section_fil
 from gearfem.compliance.mesh_writing import write_section
 from gearfem.flank import Outline
 from gearfem.foundation import InputError
+from tests.unit.shell import MODEL, call
 
-MODEL = "studies/coal_combine/model.toml"
 U = np.array([2.3, 2.6, 2.95])
-
-
-def call(*args: object) -> Result:
-    return CliRunner().invoke(main, [str(arg) for arg in args])
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 import signal
@@ -13,25 +12,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from click.testing import Result
 
-from gearfem.cli import main, sweeps
+from gearfem.cli import sweeps
 from gearfem.foundation import InputError
 from gearfem.foundation.units import RPM
 from gearfem.model import load_model
+from tests.unit import shell
+from tests.unit.shell import MODEL, rows
 
-MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
 SPEEDS = "400:800:5"
 
 
-def call(out: Path, *words: object):
+def call(out: Path, *words: object) -> Result:
     """Run the sweep in this process."""
-    return CliRunner().invoke(main, ["dynamics", MODEL, "--out", str(out), *map(str, words)])
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a table, its comments left out."""
-    return list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
+    return shell.call("dynamics", MODEL, "--out", out, *words)
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +75,7 @@ def test_spectrum_holds_the_harmonics_in_orders(swept):
 @pytest.mark.slow
 def test_agrees_with_the_single_speed(swept, tmp_path):
     """Wheel torque, mean and rms of the transmission error, and Kw, from the sweep and from Gear's method at one of its speeds."""
-    result = CliRunner().invoke(main, ["dynamics", MODEL, "--out", str(tmp_path), "--set", "operation.pinion_speed_rpm=700"])
+    result = shell.call("dynamics", MODEL, "--out", tmp_path, "--set", "operation.pinion_speed_rpm=700")
     assert result.exit_code == 0, result.output
     single = rows(tmp_path / "elastic.csv")
     error, factor = (np.array([float(row[name]) for row in single]) for name in ("transmission_error_um", "dynamic_factor"))

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from PIL import Image
 
-from gearfem.cli import main
 from gearfem.cli import wearing as work
 from gearfem.definition.model_file import read_tables
 from gearfem.flank import Deviation, make_flanks
@@ -20,12 +17,7 @@ from gearfem.model import load_model
 from gearfem.report.kinematics_plots import enlargement
 from gearfem.report.wear_table import write_worn_model
 from gearfem.wear import Archard, Worn, life, removed_volume
-
-MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
-
-
-def call(*words: object):
-    return CliRunner().invoke(main, [str(word) for word in words])
+from tests.unit.shell import MODEL, call
 
 
 def test_wear_writes_a_model_that_runs(tmp_path):

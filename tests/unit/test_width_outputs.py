@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +17,7 @@ from gearfem.flank.lead import Lead
 from gearfem.pipeline import run
 from gearfem.report import write_stiffness, write_width_picture
 from gearfem.report.width_plots import plot_width
+from tests.unit.shell import rows
 
 MODEL = """
 [pair]
@@ -37,11 +36,6 @@ pinion_speed_rpm = 1000.0
 name = "lead_misalignment"
 slope_um = 6.0
 """
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    with path.open() as stream:
-        return list(csv.DictReader(line for line in stream if not line.startswith("#")))
 
 
 def test_factor_and_picture_are_those_of_the_slices(small_pair, tmp_path) -> None:
