@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import functools
+import signal
 from pathlib import Path
 
 from click.testing import CliRunner, Result
@@ -10,6 +12,9 @@ from click.testing import CliRunner, Result
 from gearfem.cli import main
 
 MODEL = str(Path(__file__).parents[2] / "studies" / "coal_combine" / "model.toml")
+
+# To run in a child before it starts: whoever runs the tests may have been told to ignore interrupts, and children inherit that.
+obey_interrupts = functools.partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
 
 
 def call(*words: object) -> Result:

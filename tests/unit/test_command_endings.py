@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import functools
 import os
 import signal
 import subprocess
@@ -14,7 +13,7 @@ import pytest
 
 from gearfem.cli import steps as work
 from gearfem.foundation import SolveError
-from tests.unit.shell import MODEL, call
+from tests.unit.shell import MODEL, call, obey_interrupts
 
 
 @pytest.mark.parametrize(
@@ -88,9 +87,7 @@ def test_signals_end_a_command_however_they_come_out(tmp_path, monkeypatch, numb
 def test_interrupting_the_real_program_leaves_no_part_of_a_file(tmp_path):
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     command = [sys.executable, "-m", "gearfem", "run", MODEL, "--out", str(tmp_path)]
-    # Whoever runs the tests may have been told to ignore interrupts, and children inherit that.
-    obey = functools.partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment, preexec_fn=obey) as process:
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment, preexec_fn=obey_interrupts) as process:
         # Long enough to be within the command, short against the whole run.
         time.sleep(1.5)
         process.send_signal(signal.SIGINT)

@@ -19,7 +19,7 @@ from gearfem.foundation import InputError
 from gearfem.foundation.units import RPM
 from gearfem.model import load_model
 from tests.unit import shell
-from tests.unit.shell import MODEL, rows
+from tests.unit.shell import MODEL, obey_interrupts, rows
 
 SPEEDS = "400:800:5"
 
@@ -180,7 +180,13 @@ def test_interrupting_the_real_program_keeps_whole_lines(tmp_path, workers):
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     partial = tmp_path / sweeps.PARTIAL
     with subprocess.Popen(
-        words, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment, start_new_session=True
+        words,
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment,
+        start_new_session=True,
+        preexec_fn=obey_interrupts,
     ) as process:
         limit = time.monotonic() + 120.0
         while time.monotonic() < limit and not (partial.exists() and partial.read_text().count("\n") > 20):
