@@ -26,9 +26,13 @@ if TYPE_CHECKING:
 
 # Rounds after which derivatives are taken again; between them Broyden's corrections do.
 ROUNDS, SETTLED, EXACT = 9, 1.0, 3
+# What a fit may still gain, in parts of what its last round has.
+AHEAD = 3.0
 # What is added to the squares of all columns, in parts of them, until a step helps.
 DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 DIFFERENCE = 0.03
+# Unit of places and lengths along a flank or a face.
+ALONG = "mm"
 # Times that a fit is prepared anew at most, rounds of each, and times in a row that it may gain little.
 AGAIN, NEARBY, WORSE = 8, 2, 2
 # Halvings at most of a strength that ended at its bound, and what they may cost of what its effect explains, whose shape is no better.
@@ -121,7 +125,7 @@ def _descend(problem: Problem, point: Point, rounds: int, hopeless: float = np.i
         before, left = point, attained
         point, attained = _ahead(problem, before, left, derivatives)
         gained, small = left - attained, _little(left)
-        if (gained < small and exact) or (number > 0 and left - 3.0 * gained > hopeless):
+        if (gained < small and exact) or (number > 0 and left - AHEAD * gained > hopeless):
             break
         exact = gained < small or number % EXACT == EXACT - 1
         derivatives = jacobian(problem, point) if exact else _corrected(problem, derivatives, before, point)
@@ -155,11 +159,11 @@ def _told(problem: Problem, point: Point) -> Array:
     return np.asarray(np.sqrt(np.maximum(1.0 - doubt**2, 0.0)))
 
 
-def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: int = AGAIN) -> Fit:
+def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: int = AGAIN, hopeless: float = np.inf) -> Fit:
     """Return the fit of effects from nuisances on, the problem prepared anew where it ends until that gains little, so many times at most.
 
     The columns of what is linear change along the way: near a resonance, and where load passes from tooth to tooth. The problem stays
-    prepared near where the fit stands that is returned.
+    prepared near where the fit stands that is returned. One that does not promise to come down to `hopeless` is given up as in `fit`.
     """
     here = copy.copy(problem)
     best = point = here.at(effects, here.prepare(effects, unknown))
@@ -169,8 +173,8 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
     with contextlib.suppress(InputError, SolveError):
         for _ in range(times):
             point, attained, _ = _descend(here, point, NEARBY)
-            little = _little(attained)
-            if start - attained < little:
+            little, gained = _little(attained), start - attained
+            if gained < little or attained - AHEAD * gained > hopeless:
                 if attained < least:
                     least, best, there = attained, point, here
                 break
@@ -296,20 +300,25 @@ def _deviations(problem: Problem, point: Point, derivatives: Array) -> tuple[dic
 def _inexact(effect: Effect, problem: Problem) -> dict[str, float]:
     """Return how far parameters may be off by what no record tells, in coordinates in which effects are smooth.
 
-    No real effect has quite the form of its name: a tenth of what it amounts to. Of depths at several places that is the largest one;
-    nothing for where and how it acts. And what the model has of it before was as unknown as the nuisance, or error of the model, that does
-    the same.
+    No real effect has quite the form of its name: a tenth of what it amounts to, of depths at several places the largest one, and of how
+    far it reaches along the tooth; that much its place is off too. Nothing for how else it acts. And what the model has of it before was as
+    unknown as the nuisance, or error of the model, that does the same.
     """
     setup = problem.campaign.setup
     known, largest, strengths = effect.fitted(), dict[str, float](), parameters.strengths(effect, setup)
-    for field, strength in strengths.items():
+    acts = {field: one for field, one in known.items() if field not in strengths}
+    lengths = {field: getattr(effect, field) for field, one in acts.items() if one.unit == ALONG and not one.place}
+    for field, size in (*strengths.items(), *lengths.items()):
         unit = known[field].unit
-        largest[unit] = max(largest.get(unit, 0.0), strength)
+        largest[unit] = max(largest.get(unit, 0.0), size)
     served = [one for one in problem.stand_ins if one.serves(effect)]
-    return {
-        field: math.hypot(SHAPE * largest[one.unit], *(way.doubt(effect, field) for way in served)) if field in strengths else 0.0
-        for field, one in known.items()
-    }
+
+    def inexact(field: str, unit: str) -> float:
+        if field in strengths:
+            return math.hypot(SHAPE * largest[unit], *(way.doubt(effect, field) for way in served))
+        return SHAPE * largest[unit] if unit == ALONG else 0.0
+
+    return {field: inexact(field, one.unit) for field, one in known.items()}
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:

@@ -171,22 +171,24 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
         return naming
     rows = row_by_row(problem, mean.known)
     own = Rival(effects=naming.fit.effects, score_difference=0.0, why="", near=True, fit=naming.fit, p_values=naming.p_values)
+    threshold = max(naming.threshold, BY_ROWS)
 
-    def fitted(one: Rival) -> float:
-        """Return the least that fits attain where they can be computed, from nuisances as the model has them too unless they stay near."""
+    def cost(one: Rival, hopeless: float = math.inf) -> float:
+        """Return the score beside the others once rows count, from nuisances as the model has them too unless they stay near."""
         start, attained = rows.unknowns.of(one.fit.settings), math.inf
         for unknown in (start, rows.unknowns.neutral(start)):
             with contextlib.suppress(InputError, SolveError):
-                found = again(copy.copy(rows), one.effects, unknown)
+                found = again(copy.copy(rows), one.effects, unknown, hopeless=hopeless - one.score_difference)
                 attained = min(attained, found.objective)
                 if near_by(rows, found):
                     break
-        return attained
+        return one.score_difference + attained
 
-    both = (own, *near)
-    attained = counted(fitted, both, progress, "rivals row by row")
-    costs = {one: one.score_difference + least for one, least in zip(both, attained, strict=True)}
-    least, threshold = min(costs.values()), max(naming.threshold, BY_ROWS)
+    progress("rivals row by row", 0, 1 + len(near))
+    first = cost(own)
+    others = counted(lambda one: cost(one, first + threshold), near, progress, "rivals row by row")
+    costs = {own: first, **dict(zip(near, others, strict=True))}
+    least = min(costs.values())
     if not math.isfinite(least):
         return naming
     close = [one for one in costs if costs[one] < least + threshold]

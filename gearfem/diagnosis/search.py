@@ -34,6 +34,8 @@ MIMICKED = 0.5
 MOST = 3
 # Rivals that are fitted again beside the best explanation: those within this share of what it gains.
 NEAR, RIVALS = 0.3, 3
+# Share of what the best explanation gains below which another one is left behind: first fits miss much of what they will gain, not as much.
+BEHIND = 0.2
 # What a fit may leave of a record, over what can be expected, before another start is tried.
 FAR = 2.0
 # Share of what a further name must gain that a fit with one must promise beside the one it builds on, or it is given up.
@@ -103,7 +105,7 @@ class Search:
                 found = again(copy.copy(self.problem), fit.effects, fit.point.stood)
                 if near_by(self.problem, found):
                     return found
-                return min(found, again(copy.copy(self.problem), fit.effects, neutral), key=self.score)
+                return min(found, again(copy.copy(self.problem), fit.effects, neutral, hopeless=found.objective), key=self.score)
             except (InputError, SolveError):
                 return found
 
@@ -152,7 +154,7 @@ class Search:
 
         def one(fit: Fit) -> Fit:
             try:
-                found = again(copy.copy(self.problem), fit.effects, best.point.stood)
+                found = again(copy.copy(self.problem), fit.effects, best.point.stood, hopeless=fit.objective)
             except (InputError, SolveError):
                 return fit
             return min(fit, found, key=self.score)
@@ -167,6 +169,13 @@ class Search:
     def first(self, most: int) -> list[Fit]:
         """Return the best explanations with effects, at most so many."""
         return sorted((fit for fit in self.fits.values() if fit.effects), key=self.score)[:most]
+
+    def ahead(self, most: int) -> list[Fit]:
+        """Return the best explanations with effects, at most so many, less those left far behind by one that may be named."""
+        fits = self.first(most)
+        gains = [self.gained(fit) for fit in fits]
+        least = BEHIND * gains[0] if gains and gains[0] > self.problem.detected else -math.inf
+        return [fit for fit, gain in zip(fits, gains, strict=True) if gain > least]
 
     def rivals(self) -> list[Fit]:
         """Return the explanations that come near the best one, and what is left of that without each of its effects."""

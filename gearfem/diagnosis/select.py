@@ -103,7 +103,7 @@ def select(
     if gap_left(alone, problem) < 1.0 and (_hopeless(search) or (not found and _settled_hopeless(search, progress))):
         return judge(search, shown)
     _pairs(search, alone, first, progress)
-    search.settle([search.alone, *search.first(SETTLED)], progress, "first explanations again")
+    search.settle([search.alone, *search.ahead(SETTLED)], progress, "first explanations again")
     if found is None:
         _in_place(search, first, progress)
     _further(search, first, progress)
@@ -186,7 +186,7 @@ def _hopeless(search: Search) -> bool:
 
 def _settled_hopeless(search: Search, progress: Progress) -> bool:
     """Return the same once the nuisances alone and the best effects are fitted again: first fits gain what these alone had missed."""
-    search.settle([search.alone, *search.first(PROMISED)], progress, "first explanations again")
+    search.settle([search.alone, *search.ahead(PROMISED)], progress, "first explanations again")
     if not _hopeless(search):
         return False
     search.problem.prepare((), search.alone.point.unknown)

@@ -65,6 +65,18 @@ def test_a_frequency_is_in_doubt_by_a_tenth_too(found: Diagnosis) -> None:
     assert doubt["ratio"] == 0.0
 
 
+def test_place_and_length_are_in_doubt_by_a_tenth_of_the_length(found: Diagnosis) -> None:
+    """A ragged pit ends nowhere in particular, and a rounded relief not where a straight one begins."""
+    pit = Pitting(gear="pinion", tooth=1, depth=20.0 * UM, centre=9.0 * MM, width=3.0 * MM)
+    assert _inexact(pit, found.problem) == {
+        "depth": pytest.approx(2.0 * UM, rel=1e-9, abs=0.0),
+        "centre": pytest.approx(0.3 * MM, rel=1e-9, abs=0.0),
+        "width": pytest.approx(0.3 * MM, rel=1e-9, abs=0.0),
+    }
+    relief = TipRelief(gear="pinion", amount=10.0 * UM, length=2.0 * MM)
+    assert _inexact(relief, found.problem)["length"] == pytest.approx(0.2 * MM, rel=1e-9, abs=0.0)
+
+
 @pytest.mark.parametrize(("scale", "least", "most"), [(1.3, 0.99, 1.6), (3.0, 0.05, 0.4)])
 def test_an_effect_as_strong_as_an_error_of_the_model_is_imitated_by_it(found: Diagnosis, scale: float, least: float, most: float) -> None:
     """One of the errors of the model is a contact that yields 1.3 times as much."""
@@ -311,12 +323,20 @@ def test_no_name_stands_beside_an_error_of_the_model_that_is_too_large_to_be_any
     assert judge(search, found.naming.identifiable).verdict == verdict
 
 
+@pytest.mark.parametrize(("detected", "kept"), [(40.0, [100.0, 21.0]), (100.0, [100.0, 21.0, 19.0])])
+def test_what_is_left_far_behind_by_one_that_may_be_named_is_not_fitted_again(detected: float, kept: list[float]) -> None:
+    gains: Any = SimpleNamespace(
+        first=lambda most: [100.0, 21.0, 19.0, 18.0][:most], gained=float, problem=SimpleNamespace(detected=detected)
+    )
+    assert Search.ahead(gains, 3) == kept
+
+
 @pytest.mark.parametrize(("gained", "ends"), [(30.0, False), (10.0, True)])
 def test_what_first_fits_gain_is_looked_into_only_if_it_is_gained_by_fits_made_again(gained: float, ends: bool) -> None:
     """Half of what a name needs, 40; where the search ends the problem is prepared at the nuisances alone as they are then."""
     first, again = (SimpleNamespace(point=SimpleNamespace(unknown=np.array([place]))) for place in (0.0, 1.0))
     prepared: list[float] = []
-    search = SimpleNamespace(alone=first, first=lambda most: ["best"] * most, best=lambda most: "best")
+    search = SimpleNamespace(alone=first, ahead=lambda most: ["best"] * most, best=lambda most: "best")
     search.problem = SimpleNamespace(detected=40.0, prepare=lambda effects, unknown: prepared.append(unknown[0]))
     search.gained = lambda fit: 100.0 if search.alone is first else gained
 
