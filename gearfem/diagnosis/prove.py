@@ -104,6 +104,8 @@ class Proof(Record):
     over_nuisances, over_smooth : float or None
         On hold-out records: what nuisances alone, and the smooth correction, leave over what the named effects leave; each in parts of
         what can be expected, root mean square over the records. None without hold-out records or effects.
+    over_fitted : float or None
+        The first of these on the records that were fitted; None without effects.
     foretold : float or None
         What the first would be if the named effects were right: as far above 1 as these records can show them.
     stderr : float or None
@@ -117,6 +119,7 @@ class Proof(Record):
     records: tuple[Gap, ...]
     over_nuisances: float | None
     over_smooth: float | None
+    over_fitted: float | None
     foretold: float | None
     stderr: float | None
     stands: bool
@@ -237,16 +240,23 @@ def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, 
 
 
 def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
-    held = [gap for gap in gaps if gap.role == "holdout"]
+    held, fitted = ([gap for gap in gaps if gap.role == role] for role in ("holdout", "fit"))
+    over_fitted = _over(fitted) if named and fitted else None
     still = tuple(_wide(gap) for gap in gaps if gap.rms(gap.after) > WIDE * gap.floor_rms)
     if not held or not named:
         words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named else ()
         return Proof(
-            records=gaps, over_nuisances=None, over_smooth=None, foretold=None, stderr=None, stands=False, reasons=(*words, *still)
+            records=gaps,
+            over_nuisances=None,
+            over_smooth=None,
+            over_fitted=over_fitted,
+            foretold=None,
+            stderr=None,
+            stands=False,
+            reasons=(*words, *still),
         )
-    after, alone = _pooled([(gap, gap.after) for gap in held]), _pooled([(gap, gap.nuisances_only) for gap in held])
+    after, over_nuisances = _pooled([(gap, gap.after) for gap in held]), _over(held)
     corrected = [gap for gap in held if gap.smooth.size]
-    over_nuisances = alone / after
     over_smooth = _pooled([(g, g.smooth) for g in corrected]) / _pooled([(g, g.after) for g in corrected]) if corrected else None
     foretold = math.hypot(1.0, _pooled([(gap, gap.nuisances_only - gap.after) for gap in held]) / after)
     stderr = _doubt(held) / (2.0 * after**2 * over_nuisances)
@@ -258,6 +268,7 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
         records=gaps,
         over_nuisances=over_nuisances,
         over_smooth=over_smooth,
+        over_fitted=over_fitted,
         foretold=foretold,
         stderr=stderr,
         stands=stands,
@@ -271,6 +282,11 @@ def _wide(gap: Gap) -> str:
     before, after, floor = (digits(size * scale) for size in (gap.rms(gap.before), gap.rms(gap.after), gap.floor_rms))
     left = f"{after} {unit}".rstrip() + f" are left, {gap.rms(gap.after) / gap.floor_rms:.1f} times the floor of {floor}"
     return f"{gap.measurement.file}, {ROLES[gap.role]}: {left}, {'more than' if gap.closure < 0.0 else 'for'} {before} before."
+
+
+def _over(gaps: list[Gap]) -> float:
+    """Return what nuisances alone leave of records over what the named effects leave."""
+    return _pooled([(gap, gap.nuisances_only) for gap in gaps]) / _pooled([(gap, gap.after) for gap in gaps])
 
 
 def _pooled(gaps: list[tuple[Gap, Array]]) -> float:

@@ -37,6 +37,27 @@ def test_a_name_that_does_not_surely_do_better_where_nobody_looked_is_withdrawn(
     assert bool(held.fit.effects) == (verdict == "explained")
 
 
+@pytest.mark.parametrize(
+    ("share", "stays", "verdict"), [(0.7, True, "no_discrepancy"), (0.7, False, "unexplained"), (0.9, True, "explained")]
+)
+def test_a_name_that_leaves_far_more_of_what_was_fitted_is_withdrawn(found: Diagnosis, share: float, stays: bool, verdict: str) -> None:
+    """Whatever records held out say: a hammering motion may be met row by row as if all were linear, and missed by the model."""
+    proof = dataclasses.replace(found.proof, over_fitted=share)
+    held = as_held_out_leaves(dataclasses.replace(found.naming, without="no_discrepancy"), proof, stays)
+    assert held.verdict == verdict
+    assert bool(held.fit.effects) == (verdict == "explained")
+    assert any("records that were fitted" in reason for reason in held.reasons) == (verdict != "explained")
+
+
+def test_what_names_leave_of_the_fitted_records_is_counted_in_their_floors(found: Diagnosis) -> None:
+    fitted = found.proof.of("fit")
+    before, after = (
+        np.sqrt(np.mean([(gap.rms(getattr(gap, word)) / gap.floor_rms) ** 2 for gap in fitted])) for word in ("nuisances_only", "after")
+    )
+    assert found.proof.over_fitted == pytest.approx(before / after, rel=1e-12, abs=0.0)
+    assert found.proof.over_fitted > 1.0
+
+
 @pytest.mark.parametrize(("share", "floors", "verdict"), [(0.9, 3.0, "unexplained"), (0.9, 1.0, "explained"), (1.1, 3.0, "explained")])
 def test_a_name_that_leaves_open_what_straying_nuisances_foretell_better_is_withdrawn(
     found: Diagnosis, share: float, floors: float, verdict: str
