@@ -48,6 +48,8 @@ class Calibration(Record):
         Files of records and the constants in them [m].
     firsts : tuple of (str, int)
         Files of records over the teeth of a gear and the teeth that they begin with, where they do not begin with tooth 0.
+    kicks : tuple of (str, (float, float))
+        Files of records of motions that do not begin as the slow engagement, and how they do, see `gearfem.dynamics.turns.march_turns`.
     """
 
     stiffness_scale: float = 1.0
@@ -70,6 +72,7 @@ class Calibration(Record):
     wheel_late: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
     offsets: tuple[tuple[str, float], ...] = ()
     firsts: tuple[tuple[str, int], ...] = ()
+    kicks: tuple[tuple[str, tuple[float, float]], ...] = ()
 
     def offset(self, file: str) -> float:
         """Return the constant in a record [m], 0 where none was fitted."""
@@ -78,3 +81,7 @@ class Calibration(Record):
     def first_tooth(self, file: str) -> int:
         """Return the tooth that a record over the teeth of a gear begins with."""
         return dict(self.firsts).get(file, 0)
+
+    def kick(self, file: str) -> tuple[float, float]:
+        """Return how the motion of a record begins beside the slow engagement."""
+        return dict(self.kicks).get(file, (0.0, 0.0))

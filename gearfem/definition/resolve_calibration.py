@@ -60,4 +60,5 @@ def resolve_calibration(table: CalibrationTable, teeth: tuple[int, int]) -> Cali
         wheel_late=late[1],
         offsets=tuple((entry.file, entry.offset_um * UM) for entry in table.record),
         firsts=tuple((entry.file, entry.first_tooth) for entry in table.record if entry.first_tooth),
+        kicks=tuple((entry.file, (entry.kick[0], entry.kick[1])) for entry in table.record if any(entry.kick)),
     )

@@ -302,7 +302,7 @@ def hammering(record: Measurement, bench: SystemBench, settings: Settings) -> fl
     """Return how far the motion of a record as settings have it is one whose flanks hammer, from 0 to 1: apart for much of the time."""
     if not record.quantity.moving or record.quantity.axis != "angle":
         return 0.0
-    swing = bench.swing(record.axis + settings.angle_offset, record.pinion_torque, record.pinion_speed, settings)
+    swing = bench.swing(record.axis + settings.angle_offset, record.pinion_torque, record.pinion_speed, settings, record.kick)
     return float(np.interp(np.mean(swing.stiffness == 0.0), (APART, HAMMERS), (0.0, 1.0)))
 
 

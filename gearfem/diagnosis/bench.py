@@ -170,8 +170,8 @@ class Bench(Protocol):
     def oscillator(self, torque: float, settings: Settings) -> Oscillator:
         """Return the oscillator of the mesh at a stated torque [N m]."""
 
-    def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
-        """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s]."""
+    def swing(self, angle: Array, torque: float, speed: float, settings: Settings, kick: tuple[float, float] = (0.0, 0.0)) -> Swing:
+        """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s], begun with a kick (`march_turns`)."""
 
     def peaks(self, torque: float, speed: float, settings: Settings) -> Peaks:
         """Return the largest Kw of a turn and of each of its pitches at a stated torque [N m] and a speed [rad/s]."""

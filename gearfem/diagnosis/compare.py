@@ -8,14 +8,18 @@ import dataclasses
 from collections.abc import Iterator
 from functools import partial
 
+import numpy as np
+
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.approach import LOST, at_rest, fit_from, part_of, tuned
 from gearfem.diagnosis.averages import averaged, has_means, of_teeth, teeth_under, whole
 from gearfem.diagnosis.bench import Settings, neutral
+from gearfem.diagnosis.branches import FAR, nearest
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.comparison import Compared, Comparison, Shift
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
+from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import BenchOf, Problem
 from gearfem.diagnosis.search import PARAMETER, stays
@@ -24,7 +28,7 @@ from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.zero import guess_zero
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.effects.profile_wear import ProfileWear
-from gearfem.foundation import InputError, SolveError
+from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Terms of the waviness of a flank. To find the zero and the noise, the few of `Scatter` are enough, and they leave the noise alone.
@@ -66,12 +70,14 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     nuisances and errors of the model come from the means over the pitches (`averaged`), and index errors and waviness from the records row
     by row (`of_single_teeth`), by turns: in the means the slow records come first, then the compliance in series and the damping that suit
     motions, then all, from several places where nuisances stray. Those that do the work of a missing effect still do then, see `screened`.
+    Where another steady motion than that from rest meets a record (`nearest`), all of this is done again.
     """
     if not isinstance(campaign, Campaign):
         raise InputError("campaign", f"{campaign!r:.60}", "a Campaign, from read_campaign(...)")
     if not campaign.fitted:
         raise InputError("record", "no record of role fit", "at least one record that is not held out", campaign.path)
-    records, pair = campaign.fitted, campaign.setup.pair
+    pair, known = campaign.setup.pair, campaign.setup.calibration
+    records = tuple(dataclasses.replace(record, kick=known.kick(record.file)) for record in campaign.fitted)
     noises = tuple(measure_noise(record, pair) for record in records)
     make: BenchOf = bench or partial(bench_of, campaign)
     rough = Problem(campaign, records, noises, scatter or Scatter(), lambda effects: dataclasses.replace(make(effects), errors=()))
@@ -88,6 +94,10 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     level = dataclasses.replace(level, angle_offset=found.settings.angle_offset)
     if has_means(problem):
         alone, shifts = _by_turns(problem, level, found.settings, progress)
+        begun = _begun(problem, alone)
+        if any(one is not other for one, other in zip(begun, problem.records, strict=True)):
+            problem.records = begun
+            alone, shifts = _by_turns(problem, level, found.settings, progress)
     else:
         met = tuned(problem, problem.prepare((), problem.unknowns.of(level)))
         alone = again(problem, (), problem.fit((), met).point.unknown)
@@ -95,6 +105,18 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
         problem.remember(alone)
     progress("nuisances", 4, 4)
     return Comparison(problem=problem, alone=alone, shifts=shifts, records=_compared(problem, alone))
+
+
+def _begun(problem: Problem, alone: Fit) -> tuple[Measurement, ...]:
+    """Return the records, motions that nuisances alone leave far off begun where the model comes nearest to them."""
+    bench = problem.bench(())
+
+    def left(one: Measurement) -> Array:
+        gap = one.value - bench.predict(one, alone.settings)
+        return np.asarray(gap - gap[one.keep].mean() if one.quantity.free_constant else gap)
+
+    far = alone.squares > FAR**2 * problem.floor
+    return tuple(nearest(record, 0.0, left) if off else record for record, off in zip(problem.records, far, strict=True))
 
 
 def _by_turns(problem: Problem, level: Settings, late: Settings, progress: Progress) -> tuple[Fit, tuple[Shift, ...]]:

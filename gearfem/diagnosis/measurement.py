@@ -46,6 +46,8 @@ class Measurement(Record):
         What the record is for.
     role_given : bool
         Whether the campaign says so itself.
+    kick : (float, float)
+        How its motion begins, see `gearfem.dynamics.turns.march_turns`: nobody noted it, and several motions may be steady.
     """
 
     file: str
@@ -62,6 +64,7 @@ class Measurement(Record):
     noise_std: float | None = None
     role: Role = "fit"
     role_given: bool = False
+    kick: tuple[float, float] = (0.0, 0.0)
 
     @property
     def to_file(self) -> float:
@@ -77,6 +80,7 @@ class Measurement(Record):
             gear=self.gear or "pinion",
             tooth=self.tooth or 0,
             file=self.file,
+            kick=self.kick,
         )
 
     def over(self, axis: Array) -> Measurement:

@@ -13,6 +13,7 @@ from scipy.signal import correlate
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import neutral
+from gearfem.diagnosis.branches import nearest
 from gearfem.diagnosis.calibrate import calibrated
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.largest import at_peaks, expected
@@ -155,25 +156,29 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
 
     Notes
     -----
-    On each record, of either role, only what it leaves unknown is fitted: its constant, and its first tooth where that is
-    unknown. The floor is noise and waviness of single teeth as the fit has it, its own uncertainty included. A record held out counts by
-    that floor and by how well the parameters of the named effects foretell it: near a resonance a small doubt about one changes all.
+    On each record, of either role, only what it leaves unknown is fitted: its constant, its first tooth where that is unknown, and which of
+    several steady motions it shows, see `nearest`. The floor is noise and waviness of single teeth as the fit has it, its own uncertainty
+    included. A record held out counts by that floor and by how well the parameters of the named effects foretell it: near a resonance a
+    small doubt about one changes all.
     """
     campaign = problem.campaign
     noise_of = {record.file: noise for record, noise in zip(problem.records, problem.noises, strict=True)}
     believed = dataclasses.replace(neutral(campaign.setup.pair), angle_offset=fit.settings.angle_offset)
     setup, bench = campaign.setup, problem.bench(fit.effects)
     systems = (calibrated(setup, believed), calibrated(setup, alone.settings), calibrated(setup, fit.settings, fit.effects))
+    known, waviness = {record.file: record for record in problem.records}, _waviness(problem, fit)
     drafts = []
-    for number, record in enumerate(campaign.records):
+    for number, stated in enumerate(campaign.records):
         progress("proof", number, len(campaign.records))
-        drafts.append(tuple(left_of(record, system) for system in systems))
+        record = known.get(stated.file, stated)
+        noise = noise_of.get(record.file) or measure_noise(record, setup.pair, record.value - left_of(record, systems[-1])[0])
+        floor = _floor(problem, fit, bench, record, noise, waviness)
+        begun = [nearest(record, floor, lambda one, system=system: left_of(one, system)[0]) for system in systems]  # type: ignore[misc]
+        drafts.append((begun[-1], noise, [left_of(one, system) for one, system in zip(begun, systems, strict=True)]))
     progress("proof", len(campaign.records), len(campaign.records))
-    corrections = _corrections(problem, alone, {r.file: parts[1][0] for r, parts in zip(campaign.records, drafts, strict=True)})
-    waviness = _waviness(problem, fit)
+    corrections = _corrections(problem, alone, {record.file: parts[1][0] for record, _, parts in drafts})
     gaps = []
-    for record, (before, nuisances_only, after) in zip(campaign.records, drafts, strict=True):
-        noise = noise_of.get(record.file) or measure_noise(record, campaign.setup.pair, record.value - after[0])
+    for record, noise, (before, nuisances_only, after) in drafts:
         gaps.append(
             Gap(
                 measurement=record,

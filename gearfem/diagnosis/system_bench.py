@@ -99,6 +99,7 @@ class SystemBench(Record):
             tooth=record.tooth or 0,
             file=record.file,
             stride=STRIDE,
+            kick=record.kick,
         )
         value = observe(self._system(settings), request)
         if name == "mesh_stiffness":
@@ -131,8 +132,8 @@ class SystemBench(Record):
             acceleration=masses[1] / (masses[0] + masses[1]) / self.pair.pinion.base_radius,
         )
 
-    def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
-        """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s].
+    def swing(self, angle: Array, torque: float, speed: float, settings: Settings, kick: tuple[float, float] = (0.0, 0.0)) -> Swing:
+        """Return the motion at true pinion angles [rad], a stated torque [N m] and a speed [rad/s], begun with a kick (`march_turns`).
 
         Weights and stiffness are those of the slow engagement under the force that the motion has at each angle, the damper's left out.
         Where the flanks are apart no tooth weighs anything, though the damper stays; that errors move when they part and meet is left out.
@@ -140,7 +141,7 @@ class SystemBench(Record):
         system = self._system(settings)
         turns, drive, base = Turns(mesh=system.mesh), system.drive, self.pair.pinion.base_radius
         load = self._torque(torque, settings)
-        force = march_turns(turns, drive, angle, speed=speed, torque=load, stride=STRIDE).elastic_force * base
+        force = march_turns(turns, drive, angle, speed=speed, torque=load, stride=STRIDE, kick=kick).elastic_force * base
         parted = force <= LEAST_LOAD * load
         held = static(turns, angle, np.where(parted, load, force))
         plan = make_plan(turns, drive, speed, load)

@@ -171,7 +171,7 @@ def _at_speed(record: Measurement, bench: Bench, settings: Settings, scatter: Sc
     before = math.ceil(min(ring, LONGEST_LEAD * 2.0 * math.pi) / step)
     grid = axis[0] + step * np.arange(-before, math.ceil((axis[-1] - axis[0]) / step) + 2)
     angle = grid + settings.angle_offset
-    swing = bench.swing(angle, record.pinion_torque, speed, settings)
+    swing = bench.swing(angle, record.pinion_torque, speed, settings, record.kick)
     shapes, slopes = (_shapes(swing.weights, angle, bench.pair, scatter.terms, derivative) for derivative in (0, 1))
     between = BSpline.design_matrix(axis, np.pad(grid, 1, mode="edge"), 1)
     counts, out = scatter.counts(bench.pair), []

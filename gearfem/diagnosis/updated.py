@@ -85,7 +85,7 @@ def effect_table(effect: Effect, setup: Setup) -> dict[str, str | int | float]:
 def calibration_table(known: Calibration, settings: Settings, proof: Proof, pair: GearPair) -> dict[str, Any]:
     """Return [calibration] with fitted nuisances on top of those that the model has."""
     both = calibration_of(known, settings)
-    measured = [_record(known, gap, pair) for gap in proof.records if gap.measurement.quantity.free_constant]
+    own = [gap for gap in proof.records if gap.measurement.quantity.free_constant or any(gap.measurement.kick)]
     return {
         "stiffness_scale": both.stiffness_scale,
         "torque_scale": both.torque_scale,
@@ -105,17 +105,19 @@ def calibration_table(known: Calibration, settings: Settings, proof: Proof, pair
         "angle_offset_rad": both.angle_offset,
         "pinion_index_error_um": (both.pinion_late / UM).tolist(),
         "wheel_index_error_um": (both.wheel_late / UM).tolist(),
-        "record": measured,
+        "record": [_record(known, gap, pair) for gap in own],
     }
 
 
 def _record(known: Calibration, gap: Gap, pair: GearPair) -> dict[str, Any]:
-    """Return the constant of a record, and its first tooth where that was sought."""
+    """Return the constant of a record, its first tooth where that was sought, and how its motion begins."""
     record = gap.measurement
     table: dict[str, Any] = {"file": record.file, "offset_um": (known.offset(record.file) + gap.offset) / UM}
     if not record.tooth_known:
         teeth = (pair.wheel if record.gear == "wheel" else pair.pinion).teeth
         table["first_tooth"] = (known.first_tooth(record.file) + gap.first_tooth) % teeth
+    if any(record.kick):
+        table["kick"] = list(record.kick)
     return table
 
 

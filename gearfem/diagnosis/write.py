@@ -214,6 +214,11 @@ def notes(diagnosis: Diagnosis) -> list[str]:
         for row in nuisance_rows(diagnosis)
         if row["finding"]
     ]
+    begun = [
+        f"{gap.measurement.file}: the motion is another steady one than that from rest; which one a rig runs in goes by how it came there"
+        for gap in diagnosis.proof.records
+        if any(gap.measurement.kick)
+    ]
     left_out = sorted(set(catalogue()) - set(diagnosis.tried))
     limits = [f"Not tried, at the user's wish: {', '.join(left_out)}."] if left_out else []
-    return [*limits, *remarks, *noise, *shifts]
+    return [*limits, *remarks, *noise, *begun, *shifts]

@@ -79,6 +79,7 @@ def march_turns(
     torque: float | None = None,
     stride: float = STRIDE,
     start: Array | None = None,
+    kick: tuple[float, float] = (0.0, 0.0),
     loads: bool = True,
 ) -> TurnsMotion:
     """Return the steady motion at pinion angles, over any number of turns.
@@ -97,6 +98,9 @@ def march_turns(
         Longest step by 1/omega_n; the fewest steps to a pitch, 128 with the default, go with it.
     start : ndarray, shape (2, n), optional
         `end` of the motion at a neighbouring speed, on whose branch this one is to be; by default the slow engagement.
+    kick : (float, float)
+        Without such a start, the lag at the beginning of the run-in beside that of the slow engagement, in mean deflections of the mesh,
+        and its rate, in these times the mesh's angular frequency: of several steady motions the one that this leads to.
     loads : bool
         Whether accelerations, factors and forces are wanted at the angles too, which cost up to as much as the steps; empty where not.
 
@@ -149,6 +153,8 @@ def march_turns(
     error, at_angles, means = np.empty(angle.size), np.empty((4, angle.size if loads else 0)), np.zeros(4)
     if start is None:
         lag, rate = _slow_start(turns, drive, torque, begin, speed)
+        deflection = torque / pair.pinion.base_radius / plan.stiffness
+        lag, rate = lag + kick[0] * deflection, rate + kick[1] * deflection * speed * pair.pinion.teeth
         moved = (turns.mesh.placement.support - plan.placement.support) * torque / pair.pinion.base_radius
         start = plan.train.start(torque, pair.ratio, pair.pinion.base_radius, lag - moved, rate)
     state = np.array(start)

@@ -59,7 +59,15 @@ def slope(system: System, angle: Array, stated_torque: float) -> Array:
     return static(Turns(mesh=system.mesh), held.pinion_angle, pressed).mesh_stiffness
 
 
-def at_speed(system: System, channel: Channel, angle: Array, stated_torque: float, speed: float, stride: float = STRIDE) -> Array:
+def at_speed(
+    system: System,
+    channel: Channel,
+    angle: Array,
+    stated_torque: float,
+    speed: float,
+    stride: float = STRIDE,
+    kick: tuple[float, float] = (0.0, 0.0),
+) -> Array:
     """Return the reading of a motion at speed at the angles of a record.
 
     Parameters
@@ -74,6 +82,8 @@ def at_speed(system: System, channel: Channel, angle: Array, stated_torque: floa
         As the record states them [N m], [rad/s].
     stride : float
         Longest step of the motion by 1/omega_n.
+    kick : (float, float)
+        How it begins, see `march_turns`.
 
     Returns
     -------
@@ -95,7 +105,7 @@ def at_speed(system: System, channel: Channel, angle: Array, stated_torque: floa
         first, last = math.floor(turned.min() / pitch) - before, math.ceil(turned.max() / pitch) + 1
         grid = np.arange(first * RINGING_ANGLES, last * RINGING_ANGLES) / RINGING_ANGLES * pitch
     angles, loads = np.concatenate([turned, grid]), channel == "pinion_acceleration"
-    motion = march_turns(turns, system.drive, angles, speed=speed, torque=torque, stride=stride, loads=loads)
+    motion = march_turns(turns, system.drive, angles, speed=speed, torque=torque, stride=stride, kick=kick, loads=loads)
     value, whole = np.split(getattr(motion, channel), [turned.size])
     if instrument.resonances:
         value = value + CubicSpline(grid, instrument.ringing(whole, pitch / RINGING_ANGLES / speed))(turned)

@@ -17,7 +17,7 @@ from gearfem.definition.setup import Member
 from gearfem.dynamics.turns_plan import STRIDE
 from gearfem.foundation import Array, Record
 from gearfem.placement import runout_gap
-from gearfem.sensing.motion import at_speed, least_acceleration, slope, slowly
+from gearfem.sensing.motion import Channel, at_speed, least_acceleration, slope, slowly
 from gearfem.sensing.system import System
 
 
@@ -40,6 +40,8 @@ class Request(Record, abc.ABC):
         Name of the record, under which a fitted constant is looked up.
     stride : float
         Longest step of motions, see `march_turns`.
+    kick : (float, float)
+        How a motion begins, see `march_turns`; by default as a fit has found.
     """
 
     quantity: ClassVar[str]
@@ -51,6 +53,7 @@ class Request(Record, abc.ABC):
     tooth: int = 0
     file: str = ""
     stride: float = STRIDE
+    kick: tuple[float, float] = (0.0, 0.0)
 
     @abc.abstractmethod
     def of(self, system: System) -> Array:
@@ -68,6 +71,12 @@ class StaticError(Request):
         return system.instrument.read_slow(error) + system.setup.calibration.offset(self.file)
 
 
+def _motion(system: System, channel: Channel, asked: Request) -> Array:
+    """Return what is asked for of a motion at speed."""
+    kick = asked.kick if any(asked.kick) else system.setup.calibration.kick(asked.file)
+    return at_speed(system, channel, asked.axis, asked.pinion_torque, asked.pinion_speed, asked.stride, kick)
+
+
 class DynamicError(Request):
     """Transmission error of the gears at speed [m] over the pinion angle."""
 
@@ -75,7 +84,7 @@ class DynamicError(Request):
 
     def of(self, system: System) -> Array:
         """Return the wheel's lag along the line of action [m]."""
-        error = at_speed(system, "transmission_error", self.axis, self.pinion_torque, self.pinion_speed, self.stride)
+        error = _motion(system, "transmission_error", self)
         return error + system.setup.calibration.offset(self.file)
 
 
@@ -86,7 +95,7 @@ class Acceleration(Request):
 
     def of(self, system: System) -> Array:
         """Return psi1'' [rad/s2]."""
-        return at_speed(system, "pinion_acceleration", self.axis, self.pinion_torque, self.pinion_speed, self.stride)
+        return _motion(system, "pinion_acceleration", self)
 
 
 class DynamicFactor(Request):

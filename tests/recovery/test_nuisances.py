@@ -94,7 +94,7 @@ class Springs(SystemBench):
     def oscillator(self, torque: float, settings: Settings) -> Oscillator:
         return Oscillator(frequency=5e3, ratio=0.08, fastest=5e3, slowest=400.0, acceleration=10.0)
 
-    def swing(self, angle: Array, torque: float, speed: float, settings: Settings) -> Swing:
+    def swing(self, angle: Array, torque: float, speed: float, settings: Settings, kick: tuple[float, float] = (0.0, 0.0)) -> Swing:
         steady = np.full(len(angle), 2.0 * 5e3**2)
         weights = self.weights(angle, torque, settings)
         return Swing(weights=weights, shares=weights, stiffness=steady, damping=2.0 * 800.0, train=TWO_INERTIAS, base1=0.05, base2=0.1)

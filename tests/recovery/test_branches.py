@@ -1,0 +1,104 @@
+"""Several steady motions at one speed: what a kick at the beginning leads to, and the one that a record shows."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearfem.assembly import assemble
+from gearfem.definition.model_file import read_tables
+from gearfem.diagnosis.branches import FAR, NEARER, nearest
+from gearfem.diagnosis.measurement import Measurement, left_of, make_record
+from gearfem.diagnosis.updated import _record
+from gearfem.dynamics.turns import march_turns
+from gearfem.engagement.turns import Turns
+from gearfem.foundation import Array, SolveError
+from gearfem.foundation.toml import write_toml
+from gearfem.foundation.units import RPM
+from gearfem.model import load_model
+from gearfem.sensing import observe
+from tests.unit.shell import MODEL
+
+ANGLE = np.linspace(0.0, 4.0 * math.pi / 16.0, 97)
+# Below the resonance at 1584 rpm, damping a fifth of the model's: flanks stay in contact, or are apart for a third of the time.
+SPEED, TORQUE, DAMPING = 1450.0 * RPM, 1605.0, 0.02
+KICK = (-1.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def lightly_damped():
+    setup = load_model(MODEL)
+    calibration = dataclasses.replace(setup.calibration, damping_scale=DAMPING / assemble(setup).drive.damping_ratio)
+    return dataclasses.replace(setup, calibration=calibration)
+
+
+@pytest.fixture(scope="module")
+def record(lightly_damped) -> Measurement:
+    """Of a rig that came down through the resonance."""
+    kicked = dataclasses.replace(lightly_damped, calibration=dataclasses.replace(lightly_damped.calibration, kicks=(("dte.csv", KICK),)))
+    empty = make_record("dynamic_transmission_error", ANGLE, file="dte.csv", pinion_torque=TORQUE, pinion_speed=SPEED)
+    return dataclasses.replace(empty, value=observe(assemble(kicked), empty.request()))
+
+
+def test_a_kick_leads_to_the_motion_that_a_run_down_leads_to(lightly_damped) -> None:
+    system = assemble(lightly_damped)
+    turns = Turns(mesh=system.mesh)
+
+    def moved(**begun: object) -> Array:
+        motion = march_turns(turns, system.drive, ANGLE, speed=SPEED, torque=TORQUE, loads=False, **begun)  # type: ignore[arg-type]
+        return motion.transmission_error - motion.transmission_error.mean()
+
+    start = None
+    for speed in np.linspace(1550.0, 1460.0, 10) * RPM:
+        start = march_turns(turns, system.drive, ANGLE, speed=speed, torque=TORQUE, start=start, loads=False).end
+    from_rest, kicked, down = moved(), moved(kick=KICK), moved(start=start)
+    assert kicked.std() > 2.0 * from_rest.std()
+    assert np.abs(kicked - down).max() < 0.02 * kicked.std()
+
+
+def test_a_record_is_met_by_the_motion_that_it_shows(lightly_damped, record) -> None:
+    system = assemble(lightly_damped)
+
+    def left(one: Measurement) -> Array:
+        return left_of(one, system)[0]
+
+    found = nearest(record, 1e-6, left)
+    assert any(found.kick)
+    assert float(np.std(left(found))) < 0.02 * float(np.std(left(record)))
+
+
+@pytest.mark.parametrize(
+    ("first", "other", "taken"),
+    [(1.01 * FAR, 0.99 * NEARER * FAR, True), (1.01 * FAR, 1.1 * NEARER * FAR, False), (0.99 * FAR, 0.1, False)],
+)
+def test_another_motion_is_taken_only_where_the_first_is_far_off_and_it_leaves_half(first: float, other: float, taken: bool) -> None:
+    """Errors beyond what can be expected are something else as a rule; where a motion cannot be computed the next one is tried."""
+    record = make_record("dynamic_transmission_error", ANGLE)
+
+    def left(one: Measurement) -> Array:
+        if one.kick[0] < -1.0:
+            raise SolveError("grows without bound")
+        return np.full(ANGLE.size, other if one.kick == (0.0, 3.0) else first)
+
+    assert nearest(record, 1.0, left).kick == ((0.0, 3.0) if taken else (0.0, 0.0))
+
+
+def test_how_a_motion_begins_goes_with_the_model_that_a_diagnosis_writes(tmp_path, record) -> None:
+    kicked: Any = SimpleNamespace(measurement=dataclasses.replace(record, kick=KICK), offset=0.0)
+    setup = load_model(MODEL)
+    tables = read_tables(Path(MODEL)) | {"calibration": {"record": [_record(setup.calibration, kicked, setup.pair)]}}
+    write_toml(tmp_path / "updated.toml", tables)
+    again = load_model(tmp_path / "updated.toml")
+    assert again.calibration.kick("dte.csv") == KICK
+    assert again.calibration.kick("other.csv") == (0.0, 0.0)
+
+
+def test_slow_records_have_one_motion() -> None:
+    record = make_record("static_transmission_error", ANGLE)
+    assert nearest(record, 1.0, lambda one: np.full(ANGLE.size, 100.0)) is record
