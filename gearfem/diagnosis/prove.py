@@ -174,11 +174,13 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
         noise = noise_of.get(record.file) or measure_noise(record, setup.pair, record.value - left_of(record, systems[-1])[0])
         floor = _floor(problem, fit, bench, record, noise, waviness)
         begun = [nearest(record, floor, lambda one, system=system: left_of(one, system)[0]) for system in systems]  # type: ignore[misc]
-        drafts.append((begun[-1], noise, [left_of(one, system) for one, system in zip(begun, systems, strict=True)]))
+        if begun[-1] is not record:
+            floor = _floor(problem, fit, bench, begun[-1], noise, waviness)
+        drafts.append((begun[-1], noise.std, floor, [left_of(one, system) for one, system in zip(begun, systems, strict=True)]))
     progress("proof", len(campaign.records), len(campaign.records))
-    corrections = _corrections(problem, alone, {record.file: parts[1][0] for record, _, parts in drafts})
+    corrections = _corrections(problem, alone, {record.file: parts[1][0] for record, _, _, parts in drafts})
     gaps = []
-    for record, noise, (before, nuisances_only, after) in drafts:
+    for record, noise_rms, floor, (before, nuisances_only, after) in drafts:
         gaps.append(
             Gap(
                 measurement=record,
@@ -188,8 +190,8 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
                 after=after[0],
                 offset=after[1],
                 first_tooth=after[2],
-                noise_rms=noise.std,
-                floor_rms=_floor(problem, fit, bench, record, noise, waviness),
+                noise_rms=noise_rms,
+                floor_rms=floor,
                 doubt_rms=_parametric(record, fit, setup, after[0]) if record.role == "holdout" else 0.0,
             )
         )
@@ -248,18 +250,19 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     held, fitted = ([gap for gap in gaps if gap.role == role] for role in ("holdout", "fit"))
     over_fitted = _over(fitted) if named and fitted else None
     still = tuple(_wide(gap) for gap in gaps if gap.rms(gap.after) > WIDE * gap.floor_rms)
+    words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named and not held else ()
+    bare = Proof(
+        records=gaps,
+        over_nuisances=None,
+        over_smooth=None,
+        over_fitted=over_fitted,
+        foretold=None,
+        stderr=None,
+        stands=False,
+        reasons=(*words, *still),
+    )
     if not held or not named:
-        words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named else ()
-        return Proof(
-            records=gaps,
-            over_nuisances=None,
-            over_smooth=None,
-            over_fitted=over_fitted,
-            foretold=None,
-            stderr=None,
-            stands=False,
-            reasons=(*words, *still),
-        )
+        return bare
     after, over_nuisances = _pooled([(gap, gap.after) for gap in held]), _over(held)
     corrected = [gap for gap in held if gap.smooth.size]
     over_smooth = _pooled([(g, g.smooth) for g in corrected]) / _pooled([(g, g.after) for g in corrected]) if corrected else None
@@ -269,11 +272,10 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     compared = [f"{_words('nuisances alone', over_nuisances)} The standard error of this ratio is {stderr:.2g}."]
     if over_smooth is not None:
         compared.append(_words("a free smooth correction", over_smooth))
-    return Proof(
-        records=gaps,
+    return dataclasses.replace(
+        bare,
         over_nuisances=over_nuisances,
         over_smooth=over_smooth,
-        over_fitted=over_fitted,
         foretold=foretold,
         stderr=stderr,
         stands=stands,
