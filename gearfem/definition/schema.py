@@ -132,7 +132,7 @@ class RecordOffsetTable(Table):
     """[[calibration.record]]: the constant of one record, the tooth that one over teeth begins with, how one of a motion begins."""
 
     file: Title
-    offset_um: Annotated[float, Field(ge=-1e15, le=1e15)] = 0.0
+    offset_um: Annotated[float, Field(ge=-1e15, le=1e15)]
     first_tooth: Annotated[int, Field(ge=0, le=100_000)] = 0
     kick: Annotated[list[Annotated[float, Field(ge=-100.0, le=100.0)]], Field(min_length=2, max_length=2)] = [0.0, 0.0]
 
