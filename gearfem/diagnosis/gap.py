@@ -18,7 +18,7 @@ from gearfem.foundation import Array, InputError, SolveError
 GAP_SLOW, GAP_MOVING = 1.25, 2.0
 # Chance of noise off the rig below which it is a gap.
 BY_CHANCE = 0.01
-# What nuisances alone may leave, in gaps, before something is said to be missing that has no name: of 134 healthy pairs of another
+# What nuisances alone may leave, in gaps, before something is said to be missing that has no name: of 172 healthy pairs of another
 # simulator they leave up to 1.8, of three 2.2 to 21, and of causes outside the catalogue 2.6 and more.
 OPEN = 2.0
 
