@@ -6,46 +6,41 @@ import contextlib
 import dataclasses
 from collections.abc import Callable
 
-import numpy as np
-
 from gearfem.diagnosis.measurement import Measurement
 from gearfem.foundation import Array, InputError, SolveError
 
 # Beginnings that are tried: lag and rate of `march_turns`.
 KICKS = ((0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (-3.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.0, 3.0), (0.0, -3.0))
-# How far off a motion is, in parts of what can be expected, before others are tried; and the part of that which one may leave at most.
+# How far off a motion is, in parts of what can be expected, before others are tried; and the part of what it leaves that one may leave.
 FAR, NEARER = 3.0, 0.5
 
 
-def nearest(record: Measurement, expected: float, left: Callable[[Measurement], Array]) -> Measurement:
+def nearest(record: Measurement, far: float, here: Array, left: Callable[[Measurement], Array]) -> Measurement:
     """Return a record with the beginning of its motion from which the model comes nearest to it.
 
     Parameters
     ----------
     record : Measurement
         Any record; one that is no motion over the angle, or is met as it begins, is returned as it is.
-    expected : float
-        Root mean square that a right model leaves [SI].
+    far : float
+        Root mean square from which on it is not met [SI].
+    here : ndarray, shape (n,)
+        What the model leaves of it as it begins.
     left : callable
-        Takes the record with a beginning and returns what the model leaves of it, shape (n,).
+        Takes the record with another beginning and returns the same.
 
     Notes
     -----
     Near resonances a pair with backlash has several steady motions under one load, with flanks in contact and apart, and of those that come
     back after two or three pitches as many again. Another one than that from rest is taken only if it leaves half as much.
     """
-
-    def rms(one: Measurement) -> float:
-        return float(np.sqrt(np.mean(left(one)[record.keep] ** 2)))
-
-    here = rms(record)
-    if not record.quantity.moving or record.quantity.axis != "angle" or here < FAR * expected:
+    if not record.quantity.moving or record.quantity.axis != "angle" or record.rms(here) < far:
         return record
-    best, begun = NEARER * here, record.kick
-    for kick in (kick for kick in KICKS if kick != begun):
+    found, best = record, NEARER * record.rms(here)
+    for kick in (kick for kick in KICKS if kick != record.kick):
         # What cannot be computed from one beginning may be from another.
         with contextlib.suppress(InputError, SolveError):
             one = dataclasses.replace(record, kick=kick)
-            if (rest := rms(one)) < best:
-                best, record = rest, one
-    return record
+            if (rest := record.rms(left(one))) < best:
+                found, best = one, rest
+    return found

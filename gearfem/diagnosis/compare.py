@@ -116,7 +116,7 @@ def _begun(problem: Problem, alone: Fit) -> tuple[Measurement, ...]:
         return np.asarray(gap - gap[one.keep].mean() if one.quantity.free_constant else gap)
 
     far = alone.squares > FAR**2 * problem.floor
-    return tuple(nearest(record, 0.0, left) if off else record for record, off in zip(problem.records, far, strict=True))
+    return tuple(nearest(one, 0.0, left(one), left) if off else one for one, off in zip(problem.records, far, strict=True))
 
 
 def _by_turns(problem: Problem, level: Settings, late: Settings, progress: Progress) -> tuple[Fit, tuple[Shift, ...]]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
-
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.fit import Fit
@@ -66,7 +64,7 @@ class Compared(Record):
 
     def rms(self, series: Array) -> float:
         """Return the root mean square of a series over the rows that are used [SI]."""
-        return float(np.sqrt(np.mean(series[self.measurement.keep] ** 2)))
+        return self.measurement.rms(series)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -306,19 +306,15 @@ def _inexact(effect: Effect, problem: Problem) -> dict[str, float]:
     """
     setup = problem.campaign.setup
     known, largest, strengths = effect.fitted(), dict[str, float](), parameters.strengths(effect, setup)
-    acts = {field: one for field, one in known.items() if field not in strengths}
-    lengths = {field: getattr(effect, field) for field, one in acts.items() if one.unit == ALONG and not one.place}
-    for field, size in (*strengths.items(), *lengths.items()):
+    lengths = {field: getattr(effect, field) for field, one in known.items() if one.unit == ALONG and not one.place}
+    for field, size in (lengths | strengths).items():
         unit = known[field].unit
         largest[unit] = max(largest.get(unit, 0.0), size)
     served = [one for one in problem.stand_ins if one.serves(effect)]
-
-    def inexact(field: str, unit: str) -> float:
-        if field in strengths:
-            return math.hypot(SHAPE * largest[unit], *(way.doubt(effect, field) for way in served))
-        return SHAPE * largest[unit] if unit == ALONG else 0.0
-
-    return {field: inexact(field, one.unit) for field, one in known.items()}
+    shapes = {field: SHAPE * largest.get(one.unit, 0.0) if field in strengths or one.unit == ALONG else 0.0 for field, one in known.items()}
+    return {
+        field: math.hypot(shape, *(way.doubt(effect, field) for way in served if field in strengths)) for field, shape in shapes.items()
+    }
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:

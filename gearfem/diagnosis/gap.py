@@ -65,7 +65,7 @@ def wide(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
     """
     most, found = math.sqrt(float(chi2.ppf(1.0 - BY_CHANCE, 1))), []
     for record, noise, left in zip(problem.records, problem.noises, fit.left, strict=True):
-        size = float(np.sqrt(np.mean(left[record.keep] ** 2))) / noise.std
+        size = record.rms(left) / noise.std
         if record.quantity.of_gear and size > most:
             found.append((record.file, size))
     return found

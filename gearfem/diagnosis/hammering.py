@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from gearfem.diagnosis.averages import hammering
 from gearfem.diagnosis.calibrate import calibrated
 from gearfem.diagnosis.fit import Fit
@@ -65,4 +63,4 @@ def left_open(problem: Problem, files: Sequence[str], naming: Naming) -> Naming:
 def _rms(problem: Problem, record: Measurement, fit: Fit) -> float:
     """Return the root mean square that a fit leaves of a record [SI]."""
     left, _, _ = left_of(record, calibrated(problem.campaign.setup, fit.settings, fit.effects))
-    return float(np.sqrt(np.mean(left[record.keep] ** 2)))
+    return record.rms(left)

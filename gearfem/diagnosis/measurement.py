@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from gearfem.diagnosis.quantities import QUANTITIES, Quantity
 from gearfem.diagnosis.roles import Role
 from gearfem.foundation import Array, Record
 from gearfem.sensing import Request, System, observe, requests
+
+# What a model leaves of a record, shape (n,), the constant that was fitted [SI], and the first tooth.
+Left: TypeAlias = tuple[Array, float, int]
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -83,6 +86,10 @@ class Measurement(Record):
             kick=self.kick,
         )
 
+    def rms(self, series: Array) -> float:
+        """Return the root mean square of a series in its rows, shape (n,), over those that are used."""
+        return float(np.sqrt(np.mean(series[self.keep] ** 2)))
+
     def over(self, axis: Array) -> Measurement:
         """Return a record of the same conditions over another axis, shape (n,), without values."""
         return dataclasses.replace(self, axis=axis, value=np.zeros(len(axis)), **_whole(axis))
@@ -104,13 +111,13 @@ def make_record(name: str, axis: Array, value: Array | None = None, **stated: An
     return Measurement(**{"file": name, **_whole(axis), **stated}, quantity=QUANTITIES[name], axis=axis, value=value)
 
 
-def left_of(record: Measurement, system: System) -> tuple[Array, float, int]:
+def left_of(record: Measurement, system: System) -> Left:
     """Return what a frozen model leaves of a record, the constant that was fitted, and the first tooth."""
     firsts = [0]
     if not record.tooth_known:
         pair = system.setup.pair
         firsts = list(range((pair.wheel if record.gear == "wheel" else pair.pinion).teeth))
-    best: tuple[Array, float, int] | None = None
+    best: Left | None = None
     least = math.inf
     for first in firsts:
         gap = record.value - observe(system, record.request(first))

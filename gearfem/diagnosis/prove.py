@@ -13,11 +13,11 @@ from scipy.signal import correlate
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import neutral
-from gearfem.diagnosis.branches import nearest
+from gearfem.diagnosis.branches import FAR, nearest
 from gearfem.diagnosis.calibrate import calibrated
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.largest import at_peaks, expected
-from gearfem.diagnosis.measurement import Measurement, left_of
+from gearfem.diagnosis.measurement import Left, Measurement, left_of
 from gearfem.diagnosis.noise import Noise, measure_noise
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.roles import ROLES, Role
@@ -27,6 +27,7 @@ from gearfem.diagnosis.teeth import tooth_columns
 from gearfem.foundation import Array, InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.foundation.units import digits
+from gearfem.sensing import System
 
 # Part of a record over which what is left may be alike.
 BLOCKS = 10
@@ -85,7 +86,7 @@ class Gap(Record):
 
     def rms(self, series: Array) -> float:
         """Return the root mean square of one of the series over the rows that are used."""
-        return float(np.sqrt(np.mean(series[self.measurement.keep] ** 2)))
+        return self.measurement.rms(series)
 
     @property
     def closure(self) -> float:
@@ -118,12 +119,12 @@ class Proof(Record):
     """
 
     records: tuple[Gap, ...]
-    over_nuisances: float | None
-    over_smooth: float | None
-    over_fitted: float | None
-    foretold: float | None
-    stderr: float | None
-    stands: bool
+    over_nuisances: float | None = None
+    over_smooth: float | None = None
+    over_fitted: float | None = None
+    foretold: float | None = None
+    stderr: float | None = None
+    stands: bool = False
     reasons: tuple[str, ...]
 
     def of(self, role: Role) -> tuple[Gap, ...]:
@@ -156,10 +157,10 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
 
     Notes
     -----
-    On each record, of either role, only what it leaves unknown is fitted: its constant, its first tooth where that is unknown, and which of
-    several steady motions it shows, see `nearest`. The floor is noise and waviness of single teeth as the fit has it, its own uncertainty
-    included. A record held out counts by that floor and by how well the parameters of the named effects foretell it: near a resonance a
-    small doubt about one changes all.
+    On each record, of either role, only what it leaves unknown is fitted: its constant, its first tooth where that is unknown, and, held
+    out, which of several steady motions it shows, see `nearest`; one that was fitted begins as it was fitted. The floor is noise and
+    waviness of single teeth as the fit has it, its own uncertainty included. A record held out counts by that floor and by how well the
+    parameters of the named effects foretell it: near a resonance a small doubt about one changes all.
     """
     campaign = problem.campaign
     noise_of = {record.file: noise for record, noise in zip(problem.records, problem.noises, strict=True)}
@@ -171,12 +172,16 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     for number, stated in enumerate(campaign.records):
         progress("proof", number, len(campaign.records))
         record = known.get(stated.file, stated)
-        noise = noise_of.get(record.file) or measure_noise(record, setup.pair, record.value - left_of(record, systems[-1])[0])
+        parts = [left_of(record, system) for system in systems]
+        noise = noise_of.get(record.file) or measure_noise(record, setup.pair, record.value - parts[-1][0])
         floor = _floor(problem, fit, bench, record, noise, waviness)
-        begun = [nearest(record, floor, lambda one, system=system: left_of(one, system)[0]) for system in systems]  # type: ignore[misc]
-        if begun[-1] is not record:
-            floor = _floor(problem, fit, bench, begun[-1], noise, waviness)
-        drafts.append((begun[-1], noise.std, floor, [left_of(one, system) for one, system in zip(begun, systems, strict=True)]))
+        if record.role == "holdout":
+            begun = [_begun(record, floor, part, system) for part, system in zip(parts, systems, strict=True)]
+            if begun[-1][0] is not record:
+                record = begun[-1][0]
+                floor = _floor(problem, fit, bench, record, noise, waviness)
+            parts = [part for _, part in begun]
+        drafts.append((record, noise.std, floor, parts))
     progress("proof", len(campaign.records), len(campaign.records))
     corrections = _corrections(problem, alone, {record.file: parts[1][0] for record, _, _, parts in drafts})
     gaps = []
@@ -196,6 +201,12 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
             )
         )
     return _judged(tuple(gaps), bool(fit.effects))
+
+
+def _begun(record: Measurement, floor: float, part: Left, system: System) -> tuple[Measurement, Left]:
+    """Return a record begun where a frozen model comes nearest to it, and what this leaves of it then."""
+    one = nearest(record, FAR * floor, part[0], lambda other: left_of(other, system)[0])
+    return one, part if one is record else left_of(one, system)
 
 
 def _parametric(record: Measurement, fit: Fit, setup: Setup, left: Array) -> float:
@@ -237,7 +248,7 @@ def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, 
     unknowns = problem.unknowns
     if record.quantity.name == "dynamic_factor":
         rise = at_peaks(record, bench, fit.settings, unknowns.scatter)[1] * expected(fit.point.unknown[-1])
-        return math.hypot(noise.std, float(np.sqrt(np.mean(rise[record.keep] ** 2))))
+        return math.hypot(noise.std, record.rms(rise))
     columns = tooth_columns(record, bench, fit.settings, unknowns.scatter) * unknowns.teeth
     columns = columns[:, unknowns.wavy - unknowns.first_tooth][record.keep]
     if record.quantity.free_constant:
@@ -251,18 +262,8 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     over_fitted = _over(fitted) if named and fitted else None
     still = tuple(_wide(gap) for gap in gaps if gap.rms(gap.after) > WIDE * gap.floor_rms)
     words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named and not held else ()
-    bare = Proof(
-        records=gaps,
-        over_nuisances=None,
-        over_smooth=None,
-        over_fitted=over_fitted,
-        foretold=None,
-        stderr=None,
-        stands=False,
-        reasons=(*words, *still),
-    )
     if not held or not named:
-        return bare
+        return Proof(records=gaps, over_fitted=over_fitted, reasons=(*words, *still))
     after, over_nuisances = _pooled([(gap, gap.after) for gap in held]), _over(held)
     corrected = [gap for gap in held if gap.smooth.size]
     over_smooth = _pooled([(g, g.smooth) for g in corrected]) / _pooled([(g, g.after) for g in corrected]) if corrected else None
@@ -272,10 +273,11 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     compared = [f"{_words('nuisances alone', over_nuisances)} The standard error of this ratio is {stderr:.2g}."]
     if over_smooth is not None:
         compared.append(_words("a free smooth correction", over_smooth))
-    return dataclasses.replace(
-        bare,
+    return Proof(
+        records=gaps,
         over_nuisances=over_nuisances,
         over_smooth=over_smooth,
+        over_fitted=over_fitted,
         foretold=foretold,
         stderr=stderr,
         stands=stands,

@@ -68,7 +68,7 @@ def test_a_record_is_met_by_the_motion_that_it_shows(lightly_damped, record) -> 
     def left(one: Measurement) -> Array:
         return left_of(one, system)[0]
 
-    found = nearest(record, 1e-6, left)
+    found = nearest(record, 1e-6, left(record), left)
     assert any(found.kick)
     assert float(np.std(left(found))) < 0.02 * float(np.std(left(record)))
 
@@ -86,7 +86,7 @@ def test_another_motion_is_taken_only_where_the_first_is_far_off_and_it_leaves_h
             raise SolveError("grows without bound")
         return np.full(ANGLE.size, other if one.kick == (0.0, 3.0) else first)
 
-    assert nearest(record, 1.0, left).kick == ((0.0, 3.0) if taken else (0.0, 0.0))
+    assert nearest(record, FAR, left(record), left).kick == ((0.0, 3.0) if taken else (0.0, 0.0))
 
 
 def test_how_a_motion_begins_goes_with_the_model_that_a_diagnosis_writes(tmp_path, record) -> None:
@@ -101,4 +101,5 @@ def test_how_a_motion_begins_goes_with_the_model_that_a_diagnosis_writes(tmp_pat
 
 def test_slow_records_have_one_motion() -> None:
     record = make_record("static_transmission_error", ANGLE)
-    assert nearest(record, 1.0, lambda one: np.full(ANGLE.size, 100.0)) is record
+    far = np.full(ANGLE.size, 100.0)
+    assert nearest(record, 1.0, far, lambda one: 0.0 * far) is record

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -56,6 +57,14 @@ def test_what_names_leave_of_the_fitted_records_is_counted_in_their_floors(found
     )
     assert found.proof.over_fitted == pytest.approx(before / after, rel=1e-12, abs=0.0)
     assert found.proof.over_fitted > 1.0
+
+
+def test_only_records_held_out_may_begin_otherwise_in_the_proof(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fit has the fitted ones as they begin: a name that meets one from elsewhere alone has not been fitted to it."""
+    asked = []
+    monkeypatch.setattr(sys.modules["gearfem.diagnosis.prove"], "nearest", lambda record, *other: asked.append(record.role) or record)
+    prove(found.problem, found.naming.fit, found.naming.alone)
+    assert asked == ["holdout"] * (3 * len(found.proof.of("holdout")))
 
 
 @pytest.mark.parametrize(("share", "floors", "verdict"), [(0.9, 3.0, "unexplained"), (0.9, 1.0, "explained"), (1.1, 3.0, "explained")])
