@@ -159,7 +159,10 @@ def allowed(path: Path) -> str:
     """Return what a key may hold, from its type, its bounds and the unit at the end of its name."""
     field: FieldInfo = field_of(path)
     if typing.get_origin(field.annotation) is list:
-        return f"tables [[{'.'.join(path)}]]" if _of_tables(field) else f"a list, each {_entry(path)}"
+        if _of_tables(field):
+            return f"tables [[{'.'.join(path)}]]"
+        most = next((item.max_length for item in field.metadata if hasattr(item, "max_length")), None)
+        return f"a list{f' of {most}' if most else ''}, each {_entry(path)}"
     if typing.get_origin(field.annotation) is typing.Literal:
         return " or ".join(json.dumps(word) for word in typing.get_args(field.annotation))
     kinds = {int: "an integer", float: "a number", str: "text"}

@@ -107,6 +107,7 @@ CALIBRATIONS = [
     ({"wheel_index_error_um": [1.0, "x"]}, "calibration.wheel_index_error_um[2]"),
     ({"record": [{"file": "a.csv"}]}, "calibration.record[1].offset_um"),
     ({"record": 2 * [{"file": "a.csv", "offset_um": 1.0}]}, "calibration.record[2].file"),
+    ({"record": [{"file": "a.csv", "offset_um": 1.0, "kick": [0.0, 1000.0]}]}, "calibration.record[1].kick[2]"),
 ]
 
 
@@ -115,6 +116,11 @@ def test_wrong_calibrations_are_refused_by_their_keys(table, where):
     with pytest.raises(InputError) as refusal:
         make_setup({**PAIR, "calibration": table})
     assert refusal.value.where == where
+
+
+def test_a_list_that_is_too_short_is_told_how_long_it_is():
+    with pytest.raises(InputError, match=r"calibration\.record\[1\]\.kick: found \[0\.0\]; allowed: a list of 2, each a number"):
+        make_setup({**PAIR, "calibration": {"record": [{"file": "a.csv", "offset_um": 1.0, "kick": [0.0]}]}})
 
 
 def test_files_and_classes_that_are_no_effects_are_refused(tmp_path):
