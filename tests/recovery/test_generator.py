@@ -6,6 +6,7 @@ import ast
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -135,6 +136,14 @@ class TestLoadSharing:
         left = found.lag[:, None] - at.gap - (at.matrix @ found.force[:, :, None])[:, :, 0] - approach
         assert np.abs(left[found.force > 1.0]).max() < 1e-10
         assert left[found.force <= 1e-6].max() < 1e-10
+
+    @pytest.mark.parametrize("soft", [{"body_scale": (3.0, 3.0)}, {"contact_scale": 4.0}, {"lead": 12e-6 * np.linspace(0.0, 1.0, 25)}])
+    def test_soft_pairs_lean_on_the_next_one_too(self, healthy: System, soft: dict[str, Any]) -> None:
+        """Whatever the pair yields more than usual: no flank is in another one that does not push back."""
+        system, angle = replace(healthy, **soft), turns(healthy)
+        at, found = reach(system, angle, TORQUE), static(system, angle, TORQUE)
+        apart = (at.matrix @ found.force[:, :, None])[:, :, 0] + at.gap - found.lag[:, None]
+        assert apart[found.force == 0.0].min() > -1e-12
 
     def test_slope_is_the_derivative_of_force_over_lag(self, healthy: System) -> None:
         angle = turns(healthy, 0.05)

@@ -194,7 +194,8 @@ def share(system: System, at: Reach, load: Array, friction: bool, speed: float =
         damp = 1.0 if turn < 20 else 0.6
         out_force[todo] = np.maximum(f + damp * step[:, :pairs], 0.0) if turn >= 20 else f + step[:, :pairs]
         out_lag[todo] = e + damp * step[:, pairs]
-        size = np.abs(step[:, :pairs]).max(1) / np.maximum(load[todo], 1e-3)
+        # the lag counts too: where one pair bears all, its force is right at once, and others may be in reach once it has yielded
+        size = np.abs(step * np.append(np.ones(pairs), typical)).max(1) / np.maximum(load[todo], 1e-3)
         done = size < 1e-7
         if done.any() or turn == 59:
             last = todo if turn == 59 else todo[done]
