@@ -15,7 +15,7 @@ from gearfem.diagnosis.marginal import marginal
 from gearfem.diagnosis.naming import Naming, Rival, sentence_of
 from gearfem.diagnosis.nuisances import BUILD
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Search
+from gearfem.diagnosis.search import Search, exchanged
 from gearfem.foundation.progress import Progress
 
 # Chance of a gap as wide in noise and nuisances alone, below which it is one.
@@ -66,6 +66,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     fits = [_moderate(problem, alone, fit) if fit.bound else fit for fit in search.fits.values() if fit.effects]
     fits = [fit for fit in fits if not fit.bound and gap_left(fit, problem) < 1.0]
     # All of them close it fully: what they cost decides, and then an instrument that is wrong comes last.
+    fits += [twin for fit in fits for twin in exchanged(fit)]
     fits.sort(key=lambda fit: (round(search.score(fit), 1), fit.effects[0].stage == "sensing"))
     reasons = (*seen, f"{len(fits)} effects close the gap alone; so few numbers cannot decide between them.")
     if len(fits) < 2:

@@ -29,7 +29,7 @@ from gearfem.diagnosis.gap import closure, gap_left
 from gearfem.diagnosis.hammering import left_open, untold
 from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Search, label, near_by
+from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Label, Search, label, near_by
 from gearfem.diagnosis.select import select
 from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.suspects import turning
@@ -134,8 +134,10 @@ def _of_means(
 
 def _first(naming: Naming) -> list[Fit]:
     """Return the fits of the best explanations."""
-    fits = {label(fit.effects): fit for fit in (naming.best, *(rival.fit for rival in naming.rivals if not rival.early)) if fit.effects}
-    return list(fits.values())[:BEGUN]
+    fits = dict[tuple[Label, ...], Fit]()
+    for fit in (naming.best, *(rival.fit for rival in naming.rivals if not rival.early)):
+        fits.setdefault(label(fit.effects), fit)
+    return [fit for fit in fits.values() if fit.effects][:BEGUN]
 
 
 def _by_rows(problem: Problem, means: Naming, known: tuple[Effect, ...], kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
@@ -186,8 +188,10 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
 
     progress("rivals row by row", 0, 1 + len(near))
     first = cost(own)
-    others = counted(lambda one: cost(one, first + threshold), near, progress, "rivals row by row")
-    costs = {own: first, **dict(zip(near, others, strict=True))}
+    apart = {label(one.effects): one for one in near if label(one.effects) != label(own.effects)}
+    others = counted(lambda one: cost(one, first + threshold), list(apart.values()), progress, "rivals row by row")
+    found = {label(own.effects): first, **dict(zip(apart, others, strict=True))}
+    costs = {one: found[label(one.effects)] for one in (own, *near)}
     least = min(costs.values())
     if not math.isfinite(least):
         return naming
@@ -250,7 +254,7 @@ def _anew(problem: Problem, alone: Fit, start: Array, naming: Naming, words: str
     sets = [naming.best.effects, *(rival.effects for rival in naming.rivals if rival.near)]
     for number, effects in enumerate(sets):
         progress(words, number, len(sets))
-        if effects:
+        if effects and label(effects) not in search.fits:
             with contextlib.suppress(InputError, SolveError):
                 search.fits[label(effects)] = again(problem, effects, start)
     progress(words, len(sets), len(sets))

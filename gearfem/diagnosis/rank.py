@@ -54,11 +54,16 @@ def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progres
     Returns
     -------
     tuple of Candidate
-        One for each effect and gear, two for effects of one tooth; those without any response are left out.
+        One for each effect and gear, of what either gear may have for the pinion alone, two for effects of one tooth; those without any
+        response are left out.
     """
-    jobs = [(kind, member) for kind in kinds.values() for member in (MEMBERS if kind.of_one_gear() else MEMBERS[:1])]
+    jobs = [(kind, member) for kind in kinds.values() for member in _members(kind)]
     # The longest first, so that all cores end together.
     return _ranked(problem, base, sorted(jobs, key=lambda job: not stands(job[0].example(problem.campaign.setup))), progress, "candidates")
+
+
+def _members(kind: type[Effect]) -> tuple[Member, ...]:
+    return MEMBERS if kind.of_one_gear() and not kind.either_gear else MEMBERS[:1]
 
 
 def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], progress: Progress = quiet) -> tuple[Candidate, ...]:

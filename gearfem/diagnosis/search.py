@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -17,7 +18,7 @@ from gearfem.diagnosis.parameters import faint, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.straying import STRAYED, beyond
-from gearfem.effects.effect import Effect
+from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
@@ -45,7 +46,7 @@ AT_BOUND = 30.0
 
 # Where a fit starts: effects, and nuisances other than those of the fit it builds on.
 Start: TypeAlias = tuple[tuple[Effect, ...], Array | None]
-# Name, gear ("" without) and tooth (-1 without) of an effect.
+# Name, gear ("" without, or where either may have it) and tooth (-1 without) of an effect.
 Label: TypeAlias = tuple[str, str, int]
 
 
@@ -284,7 +285,17 @@ def way_of(effect: Effect) -> tuple[str, str]:
 
 def label(effects: tuple[Effect, ...]) -> tuple[Label, ...]:
     """Return names, gears and teeth, by which explanations are told apart."""
-    return tuple(sorted((e.name, getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects))
+    return tuple(sorted((e.name, "" if e.either_gear else getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects))
+
+
+def exchanged(fit: Fit) -> Iterator[Fit]:
+    """Yield a fit with each of its effects that either gear may have on the other one, which no record tells from it."""
+    for place, effect in enumerate(fit.effects):
+        if effect.either_gear:
+            (other,) = (member for member in MEMBERS if member != effect.member)
+            moved = dataclasses.replace(effect, gear=other)  # type: ignore[call-arg]
+            effects = (*fit.effects[:place], moved, *fit.effects[place + 1 :])
+            yield dataclasses.replace(fit, effects=effects, point=dataclasses.replace(fit.point, effects=effects))
 
 
 def without_one(fit: Fit) -> list[Start]:

@@ -12,7 +12,7 @@ from gearfem.diagnosis.gap import OPEN, closure, gap_left, gaps, wide
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Label, Search, label
+from gearfem.diagnosis.search import Label, Search, exchanged, label
 from gearfem.diagnosis.suspects import astray, misshapen, sound, turning, wrong_by
 from gearfem.effects.effect import Effect
 
@@ -63,6 +63,10 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
 
     # Only those that come near are worth the question.
     barred = {fit: search.barred(fit) for fit in ranked if fit is not best and scores[fit] - scores[best] < limit(fit)}
+    for fit in [best, *barred]:
+        twins = list(exchanged(fit))
+        scores |= dict.fromkeys(twins, scores[fit])
+        barred |= dict.fromkeys(twins, barred.get(fit, ""))
     level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
     suspects = (*astray(search), *turning(search.problem, alone), *misshapen(search.problem, alone))
     kept = wide(search.problem, alone)
@@ -77,7 +81,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
     hidden = bool(named.effects) and level < 1.0
-    others = {fit: scores[fit] - scores[named] for fit in ranked if fit is not named}
+    others = {fit: scores[fit] - scores[named] for fit in sorted(scores, key=scores.__getitem__) if fit.effects and fit is not named}
     return Naming(
         verdict=verdict,
         fit=named,

@@ -16,6 +16,7 @@ class Crowning(Effect):
     name = "crowning"
     stage = "flank"
     repeats = "every tooth"
+    either_gear = True
     sentence = "Crowning of the {gear}: {amount_um} um of metal missing at both ends of the face width"
     source = "ISO 21771, flank line modifications"
 

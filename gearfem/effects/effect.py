@@ -125,6 +125,8 @@ class Effect(Record, abc.ABC):
         How it comes back as the gears turn.
     history : History
         When in the life of the pair it happens; decides the order only within a stage.
+    either_gear : bool
+        Whether nothing differs if the other gear has it: the flanks leave the same gap, of which no record tells whose it is.
     replaces : bool
         Whether it overrules the value of the model (the last one wins) rather than adding to it.
     sentence : str
@@ -139,6 +141,7 @@ class Effect(Record, abc.ABC):
     stage: ClassVar[Stage]
     repeats: ClassVar[Repeat]
     history: ClassVar[History] = "made"
+    either_gear: ClassVar[bool] = False
     replaces: ClassVar[bool] = False
     sentence: ClassVar[str]
     reverse: ClassVar[str] = ""

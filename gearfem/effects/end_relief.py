@@ -19,6 +19,7 @@ class EndRelief(Effect):
     name = "end_relief"
     stage = "flank"
     repeats = "every tooth"
+    either_gear = True
     sentence = "End relief of the {gear}: {amount_um} um at the ends of the face width, over {length_mm} mm each"
     source = "ISO 21771, flank line modifications"
 
