@@ -155,6 +155,14 @@ def test_effects_of_a_stage_commute(stage):
         assert results[0] == pytest.approx(results[1], rel=1e-12, abs=0.0), (first, second)
 
 
+@pytest.mark.parametrize("name", [name for name, kind in KNOWN.items() if kind.either_gear])
+def test_what_either_gear_may_have_reads_the_same_on_both(name):
+    effect = example(name, "pinion")
+    own, other = readings(effect), readings(dataclasses.replace(effect, gear="wheel"))
+    assert all(np.array_equal(values, other[quantity]) for quantity, values in own.items())
+    assert any(not np.array_equal(values, other) for values, other in zip(own.values(), readings().values(), strict=True))
+
+
 @pytest.mark.parametrize(("name", "member"), EFFECTS)
 def test_a_model_file_holds_every_effect(name, member):
     effect = example(name, member)

@@ -30,6 +30,7 @@ from gearfem.diagnosis.verdict import _mirrored, _verdict_on, explains, judge, n
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
+from gearfem.effects.crowning import Crowning
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitch_error import PitchError
 from gearfem.effects.pitting import Pitting
@@ -295,6 +296,21 @@ def test_the_mirror_of_an_explanation_is_the_same_on_the_other_gear() -> None:
     assert not mirrored(
         (Runout(gear="wheel", eccentricity=5.0 * UM, angle=1.0),), (Runout(gear="pinion", eccentricity=5.0 * UM, angle=1.0),)
     )
+
+
+def test_what_either_gear_may_have_is_fitted_once_and_left_open(found: Diagnosis) -> None:
+    """The flanks leave the same gap, whoever is crowned: a rival on the other gear is as good, and costs no fit."""
+    problem, alone = found.problem, found.naming.alone
+    pinions, wheels = Crowning(gear="pinion", amount=8.0 * UM), Crowning(gear="wheel", amount=8.0 * UM)
+    for one, other in zip(*(problem.predict((effect,), alone.point.stood) for effect in (pinions, wheels)), strict=True):
+        assert np.array_equal(one, other)
+    fit = dataclasses.replace(found.naming.fit, effects=(pinions,), deviations=({"amount": 0.5 * UM},), bound=())
+    search = Search(problem, alone)
+    search.fits[label((wheels,))] = fit
+    judged = judge(search, ())
+    assert judged.verdict == "ambiguous"
+    (rival,) = judged.rivals
+    assert (rival.effects[0].table(), rival.score_difference, rival.near) == (wheels.table(), 0.0, True)
 
 
 def test_errors_of_the_model_too_large_to_be_any_are_told_and_common_forms_together() -> None:
