@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import dataclasses
+import math
 from collections.abc import Iterator
 from functools import partial
 
@@ -108,15 +109,18 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
 
 
 def _begun(problem: Problem, alone: Fit) -> tuple[Measurement, ...]:
-    """Return the records, motions that nuisances alone leave far off begun where the model comes nearest to them."""
+    """Return the records, motions that nuisances alone really leave far off begun where the model comes nearest to them.
+
+    As if linear, index errors may do near a resonance what a wrong beginning does: what a fit says it leaves is no measure of that.
+    """
     bench = problem.bench(())
 
     def left(one: Measurement) -> Array:
         gap = one.value - bench.predict(one, alone.settings)
         return np.asarray(gap - gap[one.keep].mean() if one.quantity.free_constant else gap)
 
-    far = alone.squares > FAR**2 * problem.floor
-    return tuple(nearest(one, 0.0, left(one), left) if off else one for one, off in zip(problem.records, far, strict=True))
+    expected = [noise.std * math.sqrt(floor) for noise, floor in zip(problem.noises, problem.floor, strict=True)]
+    return tuple(nearest(one, FAR * size, left(one), left) for one, size in zip(problem.records, expected, strict=True))
 
 
 def _by_turns(problem: Problem, level: Settings, late: Settings, progress: Progress) -> tuple[Fit, tuple[Shift, ...]]:

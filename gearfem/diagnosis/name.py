@@ -202,8 +202,8 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
         for one, cost in sorted(costs.items(), key=lambda item: item[1])
         if one is not best
     )
-    closed, remains = closure(naming.alone, best.fit, mean), gap_left(best.fit, mean)
-    verdict: Verdict = "ambiguous" if len(close) > 1 else explains(closed, remains)
+    closed, level, remains = closure(naming.alone, best.fit, mean), *(gap_left(fit, mean) for fit in (naming.alone, best.fit))
+    verdict: Verdict = "ambiguous" if len(close) > 1 else explains(closed, (level, remains))
     return dataclasses.replace(
         naming,
         verdict=verdict,

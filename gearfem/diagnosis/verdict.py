@@ -80,7 +80,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
-    hidden = bool(named.effects) and level < 1.0
+    hidden = bool(named.effects) and level < OPEN
     others = {fit: scores[fit] - scores[named] for fit in sorted(scores, key=scores.__getitem__) if fit.effects and fit is not named}
     return Naming(
         verdict=verdict,
@@ -99,7 +99,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search, best.effects):.0f}.",
             f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(remains)}.",
-            *(["It is named all the same: nuisances close the gap with values that are by so much less likely."] if hidden else ()),
+            *(["It is named all the same: nuisances leave as little only with values that are by so much less likely."] if hidden else ()),
             *(
                 f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
                 for words, moved in suspects
@@ -119,26 +119,30 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
     closed : float
         Share of the gap that it closes.
     left : (float, float)
-        What nuisances alone leave and what it leaves, in gaps.
+        What nuisances alone leave and what it leaves, in gaps; of less than `OPEN`, as some healthy pairs leave, no share need be closed.
     sound : bool
         Whether nuisances alone do the work of no effect, and leave no record too wide.
     close : sequence of Fit
         Explanations that the data cannot tell from it.
     """
     level, remains = left
-    most = max(REST, min(RESEMBLES * level, WIDEST))
+    most, usual = max(REST, min(RESEMBLES * level, WIDEST)), OPEN if level < OPEN else 1.0
     if not best.effects:
         return "no_discrepancy" if level < OPEN and sound else "unexplained"
-    if (remains > 1.0 and (closed < STANDS or remains > most)) or turning(problem, best) or wrong_by(problem, best):
+    if (remains > usual and (closed < STANDS or remains > most)) or turning(problem, best) or wrong_by(problem, best):
         return "unexplained"
     if close:
         return "ambiguous"
-    return explains(closed, remains)
+    return explains(closed, left)
 
 
-def explains(closed: float, remains: float) -> Verdict:
-    """Return the verdict on an explanation that stands, by the share of the gap that it closes and by what it leaves, in gaps."""
-    return "explained" if (closed >= CLOSED and remains <= REST) or remains < 1.0 else "partly_explained"
+def explains(closed: float, left: tuple[float, float]) -> Verdict:
+    """Return the verdict on an explanation that stands, by the share of the gap that it closes, and what is left without it and with it.
+
+    Where nuisances alone leave no more gaps than of some healthy pairs, what remains is no reason to call it a part.
+    """
+    _, remains = left
+    return "explained" if (closed >= CLOSED and remains <= REST) or remains < 1.0 or max(left) < OPEN else "partly_explained"
 
 
 def _rival(search: Search, fit: Fit, named: Fit, worse: float, limit: float, barred: str) -> Rival:

@@ -313,7 +313,7 @@ def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaig
     told = _told_apart(problem, mean, naming, quiet)
     assert told.fit is right
     assert told.p_values == (0.5,)
-    assert told.verdict == explains(told.closed, told.left)
+    assert told.verdict == explains(told.closed, (gap_left(bare, mean), told.left))
     (lost,) = told.rivals
     assert not lost.near
     assert lost.score_difference > 100.0

@@ -323,10 +323,25 @@ def test_errors_of_the_model_too_large_to_be_any_are_told_and_common_forms_toget
 
 
 @pytest.mark.parametrize(
-    ("closed", "remains", "verdict"), [(0.95, 1.5, "explained"), (0.5, 0.96, "explained"), (0.5, 1.2, "partly_explained")]
+    ("closed", "level", "remains", "verdict"),
+    [
+        (0.95, 9.0, 1.5, "explained"),
+        (0.5, 9.0, 0.96, "explained"),
+        (0.5, 9.0, 1.2, "partly_explained"),
+        (0.1, 1.3, 1.2, "explained"),
+        (0.1, 1.3, 2.1, "partly_explained"),
+    ],
 )
-def test_what_leaves_no_gap_explains_the_whole_however_little_there_was(closed: float, remains: float, verdict: Verdict) -> None:
-    assert explains(closed, remains) == verdict
+def test_what_leaves_no_gap_explains_the_whole_however_little_there_was(
+    closed: float, level: float, remains: float, verdict: Verdict
+) -> None:
+    """Nor need it close what nuisances alone leave of some healthy pairs too."""
+    assert explains(closed, (level, remains)) == verdict
+
+
+@pytest.mark.parametrize(("level", "left", "verdict"), [(1.3, 1.2, "explained"), (1.3, 2.5, "unexplained"), (2.5, 2.2, "unexplained")])
+def test_a_name_need_not_close_what_healthy_pairs_leave_too(found: Diagnosis, level: float, left: float, verdict: str) -> None:
+    assert _verdict_on(found.problem, found.naming.fit, 0.1, (level, left), sound=False, close=[]) == verdict
 
 
 @pytest.mark.parametrize(("moved", "verdict"), [(4.9, "explained"), (-5.1, "unexplained")])
