@@ -50,6 +50,19 @@ def test_a_name_that_leaves_far_more_of_what_was_fitted_is_withdrawn(found: Diag
     assert any("records that were fitted" in reason for reason in held.reasons) == (verdict != "explained")
 
 
+@pytest.mark.parametrize(
+    ("share", "smooth", "verdict"), [(1.0, 0.7, "unexplained"), (1.0, 0.9, "explained"), (1.2, 0.7, "explained"), (1.0, None, "explained")]
+)
+def test_a_name_that_beats_nothing_where_nobody_looked_is_withdrawn(
+    found: Diagnosis, share: float, smooth: float | None, verdict: str
+) -> None:
+    """Neither nuisances that stray nor a smooth correction: what it leaves has another cause."""
+    proof = dataclasses.replace(found.proof, over_nuisances=share, over_smooth=smooth, stderr=0.02)
+    held = as_held_out_leaves(found.naming, proof, sound=False)
+    assert held.verdict == verdict
+    assert held.reasons[-1].endswith("A free smooth correction leaves 0.70 times as much.") == (verdict == "unexplained")
+
+
 def test_what_names_leave_of_the_fitted_records_is_counted_in_their_floors(found: Diagnosis) -> None:
     fitted = found.proof.of("fit")
     before, after = (
