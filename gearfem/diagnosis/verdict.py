@@ -119,16 +119,18 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
     closed : float
         Share of the gap that it closes.
     left : (float, float)
-        What nuisances alone leave and what it leaves, in gaps; of less than `OPEN`, as some healthy pairs leave, no share need be closed.
+        What nuisances alone leave and what it leaves, in gaps; of less than `OPEN`, as some healthy pairs leave, no share need be closed,
+        unless a form that is none of the named stays on all teeth.
     sound : bool
         Whether nuisances alone do the work of no effect, and leave no record too wide.
     close : sequence of Fit
         Explanations that the data cannot tell from it.
     """
     level, remains = left
-    most, usual = max(REST, min(RESEMBLES * level, WIDEST)), OPEN if level < OPEN else 1.0
+    most = max(REST, min(RESEMBLES * level, WIDEST))
     if not best.effects:
         return "no_discrepancy" if level < OPEN and sound else "unexplained"
+    usual = OPEN if level < OPEN and not misshapen(problem, best) else 1.0
     if (remains > usual and (closed < STANDS or remains > most)) or turning(problem, best) or wrong_by(problem, best):
         return "unexplained"
     if close:

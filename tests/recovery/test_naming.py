@@ -339,9 +339,17 @@ def test_what_leaves_no_gap_explains_the_whole_however_little_there_was(
     assert explains(closed, (level, remains)) == verdict
 
 
-@pytest.mark.parametrize(("level", "left", "verdict"), [(1.3, 1.2, "explained"), (1.3, 2.5, "unexplained"), (2.5, 2.2, "unexplained")])
-def test_a_name_need_not_close_what_healthy_pairs_leave_too(found: Diagnosis, level: float, left: float, verdict: str) -> None:
-    assert _verdict_on(found.problem, found.naming.fit, 0.1, (level, left), sound=False, close=[]) == verdict
+@pytest.mark.parametrize(
+    ("level", "left", "form", "verdict"),
+    [(1.3, 1.2, 0.0, "explained"), (1.3, 2.5, 0.0, "unexplained"), (2.5, 2.2, 0.0, "unexplained"), (1.3, 1.2, 9.0, "unexplained")],
+)
+def test_a_name_need_not_close_what_healthy_pairs_leave_too(found: Diagnosis, level: float, left: float, form: float, verdict: str) -> None:
+    """Unless a form stays on all teeth, in prior deviations, that it does not stand for."""
+    problem, fit = found.problem, found.naming.fit
+    unknown = fit.point.unknown.copy()
+    unknown[problem.unknowns.wrong.stop] = form
+    fit = dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
+    assert _verdict_on(problem, fit, 0.1, (level, left), sound=False, close=[]) == verdict
 
 
 @pytest.mark.parametrize(("moved", "verdict"), [(4.9, "explained"), (-5.1, "unexplained")])
