@@ -40,7 +40,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     Effects that surely leave more there than nuisances alone, or do not surely leave less though these records would show them if they were
     right, are no explanation, and the verdict is that without any. Where nuisances do the work of an effect they foretell other records too
     (index errors of all teeth, say, are as good as a runout), and names must surely be by far worse before they are none; or leave open
-    what nuisances foretell better. Names that do not surely beat nuisances must not be beaten by a smooth correction, which knows no
+    what nuisances surely foretell better. Names that do not surely beat nuisances must not be beaten by a smooth correction, which knows no
     physics. A gap that stays open is not explained. Names that lower what a fit costs, row by row as if all were linear, and yet leave
     more of the fitted records are none either: motions whose flanks hammer may take another way for next to nothing.
     """
@@ -49,12 +49,13 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     over, foretold, doubt = proof.over_nuisances, proof.foretold or 1.0, SURE * (proof.stderr or 0.0)
     far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.expected_rms]
     if naming.fit.effects and over is not None:
-        worse = over < (WORSE if sound else FAR_WORSE) and over + doubt < 1.0
+        surely = over + doubt < 1.0
+        worse = over < (WORSE if sound else FAR_WORSE) and surely
         missed = sound and over - doubt < 1.0 < foretold - doubt
         if worse or missed:
             words = LEFT.format(HELD, "more" if worse else "not surely less")
             return _withdrawn(naming, naming.without if sound else "unexplained", words)
-        if far and over < WORSE and naming.verdict != "ambiguous":
+        if far and over < WORSE and surely and naming.verdict != "ambiguous":
             return _withdrawn(naming, "unexplained", LEFT.format(HELD, "more"))
         if over - doubt < 1.0 and (proof.over_smooth or 1.0) < SMOOTHER:
             smooth = f" A free smooth correction leaves {proof.over_smooth:.2f} times as much."

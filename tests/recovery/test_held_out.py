@@ -80,9 +80,17 @@ def test_only_records_held_out_may_begin_otherwise_in_the_proof(found: Diagnosis
     assert asked == ["holdout"] * (3 * len(found.proof.of("holdout")))
 
 
-@pytest.mark.parametrize(("share", "floors", "verdict"), [(0.9, 3.0, "unexplained"), (0.9, 1.0, "explained"), (1.1, 3.0, "explained")])
-def test_a_name_that_leaves_open_what_straying_nuisances_foretell_better_is_withdrawn(
-    found: Diagnosis, share: float, floors: float, verdict: str
+@pytest.mark.parametrize(
+    ("share", "floors", "doubt", "verdict"),
+    [
+        (0.9, 3.0, 0.02, "unexplained"),
+        (0.9, 3.0, 0.06, "explained"),
+        (0.9, 1.0, 0.02, "explained"),
+        (1.1, 3.0, 0.02, "explained"),
+    ],
+)
+def test_a_name_that_leaves_open_what_straying_nuisances_surely_foretell_better_is_withdrawn(
+    found: Diagnosis, share: float, floors: float, doubt: float, verdict: str
 ) -> None:
     """However much of its gap the named effects close, unless they bring it to its floor."""
 
@@ -90,7 +98,7 @@ def test_a_name_that_leaves_open_what_straying_nuisances_foretell_better_is_with
         series = np.full(gap.after.shape, floors * gap.expected_rms)
         return dataclasses.replace(gap, before=30.0 * series, after=series) if gap.role == "holdout" else gap
 
-    proof = dataclasses.replace(found.proof, over_nuisances=share, records=tuple(map(left, found.proof.records)))
+    proof = dataclasses.replace(found.proof, over_nuisances=share, stderr=doubt, records=tuple(map(left, found.proof.records)))
     held = as_held_out_leaves(found.naming, proof, sound=False)
     assert held.verdict == verdict
     assert bool(held.fit.effects) == (verdict == "explained")
@@ -104,7 +112,8 @@ def test_what_parameters_foretell_badly_opens_no_gap(found: Diagnosis) -> None:
         return dataclasses.replace(gap, after=series, before=series, doubt_rms=doubt * gap.floor_rms) if gap.role == "holdout" else gap
 
     for doubt, verdict in ((0.0, "unexplained"), (3.0, "explained")):
-        proof = dataclasses.replace(found.proof, over_nuisances=0.9, records=tuple(left(gap, doubt) for gap in found.proof.records))
+        records = tuple(left(gap, doubt) for gap in found.proof.records)
+        proof = dataclasses.replace(found.proof, over_nuisances=0.9, stderr=0.02, records=records)
         held = as_held_out_leaves(found.naming, proof, sound=False)
         assert held.verdict == verdict
         assert ("no better than the parameters are known" in held.reasons[-1]) == (doubt > 0.0)
