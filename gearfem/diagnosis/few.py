@@ -65,8 +65,8 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     search.fit([((candidate.start(setup),), candidate.unknown) for candidate in promising], alone, progress, "single effects")
     fits = [_moderate(problem, alone, fit) if fit.bound else fit for fit in search.fits.values() if fit.effects]
     fits = [fit for fit in fits if not fit.bound and gap_left(fit, problem) < 1.0]
-    # All of them close it fully: what they cost decides, and then an instrument that is wrong comes last.
     fits += [twin for fit in fits for twin in exchanged(fit)]
+    # All of them close it fully: what they cost decides, and then an instrument that is wrong comes last.
     fits.sort(key=lambda fit: (round(search.score(fit), 1), fit.effects[0].stage == "sensing"))
     reasons = (*seen, f"{len(fits)} effects close the gap alone; so few numbers cannot decide between them.")
     if len(fits) < 2:

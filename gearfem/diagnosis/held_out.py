@@ -21,8 +21,6 @@ UNMET = 0.8
 SMOOTHER = 0.8
 # Standard errors by which a name must do better, or worse.
 SURE = 2.0
-# Why a name is withdrawn: on which records how much is left with it.
-LEFT, HELD = "On {}, {} is left with {{named}} than with nuisances alone.", "records held out"
 
 
 def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
@@ -45,7 +43,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     more of the fitted records are none either: motions whose flanks hammer may take another way for next to nothing.
     """
     if naming.fit.effects and proof.over_fitted is not None and proof.over_fitted < UNMET:
-        return _withdrawn(naming, naming.without if sound else "unexplained", LEFT.format("the records that were fitted", "more"))
+        return _withdrawn(naming, naming.without if sound else "unexplained", "more", records="the records that were fitted")
     over, foretold, doubt = proof.over_nuisances, proof.foretold or 1.0, SURE * (proof.stderr or 0.0)
     far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.expected_rms]
     if naming.fit.effects and over is not None:
@@ -53,13 +51,12 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
         worse = over < (WORSE if sound else FAR_WORSE) and surely
         missed = sound and over - doubt < 1.0 < foretold - doubt
         if worse or missed:
-            words = LEFT.format(HELD, "more" if worse else "not surely less")
-            return _withdrawn(naming, naming.without if sound else "unexplained", words)
+            return _withdrawn(naming, naming.without if sound else "unexplained", "more" if worse else "not surely less")
         if far and over < WORSE and surely and naming.verdict != "ambiguous":
-            return _withdrawn(naming, "unexplained", LEFT.format(HELD, "more"))
+            return _withdrawn(naming, "unexplained", "more")
         if over - doubt < 1.0 and (proof.over_smooth or 1.0) < SMOOTHER:
             smooth = f" A free smooth correction leaves {proof.over_smooth:.2f} times as much."
-            return _withdrawn(naming, "unexplained", LEFT.format(HELD, "not surely less") + smooth)
+            return _withdrawn(naming, "unexplained", "not surely less", smooth)
     wide = [gap for gap in proof.of("holdout") if gap not in far and gap.rms(gap.after) > OPEN * gap.floor_rms]
     if naming.fit.effects and wide:
         reason = f"Records held out ({_files(wide)}) are foretold no better than the parameters are known."
@@ -76,9 +73,9 @@ def _files(gaps: Sequence[Gap]) -> str:
     return ", ".join(gap.measurement.file for gap in gaps)
 
 
-def _withdrawn(naming: Naming, verdict: Verdict, words: str) -> Naming:
-    """Return a verdict that names nothing, and why in words with a place for what was named."""
+def _withdrawn(naming: Naming, verdict: Verdict, words: str, rest: str = "", records: str = "records held out") -> Naming:
+    """Return a verdict that names nothing, and why."""
     beside = " and what stands beside it" if len(naming.fit.effects) > 1 else ""
-    reason = words.format(named=f"{naming.fit.effects[0].name}{beside}")
+    reason = f"On {records}, {words} is left with {naming.fit.effects[0].name}{beside} than with nuisances alone.{rest}"
     sentence = sentence_of(verdict, naming.alone, naming.closed)
     return dataclasses.replace(naming, verdict=verdict, fit=naming.alone, p_values=(), sentence=sentence, reasons=(*naming.reasons, reason))
