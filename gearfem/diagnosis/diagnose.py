@@ -14,16 +14,16 @@ from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit, again
-from gearfem.diagnosis.held_out import as_held_out_leaves
+from gearfem.diagnosis.held_out import as_held_out_leaves, instead, without
 from gearfem.diagnosis.localise import Localisation, localise
 from gearfem.diagnosis.name import name
 from gearfem.diagnosis.naming import Naming, Rival
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.prove import Proof, prove
-from gearfem.diagnosis.search import stays
+from gearfem.diagnosis.search import label, simplicity, stays
 from gearfem.diagnosis.suggest import Suggestion, suggest
 from gearfem.effects.effect import Effect
-from gearfem.foundation import InputError, Record
+from gearfem.foundation import InputError, Record, SolveError
 from gearfem.foundation.progress import Progress, quiet
 
 # Draws of noise behind each map.
@@ -73,10 +73,7 @@ class Diagnosis(Record):
     @property
     def alternatives(self) -> tuple[Rival, ...]:
         """Explanations that the data cannot tell from the named one, best first."""
-        if self.naming.verdict != "ambiguous":
-            return ()
-        most = len(self.naming.fit.effects)
-        return tuple(rival for rival in self.naming.rivals if rival.near and len(rival.effects) <= most)
+        return self.naming.as_good if self.naming.verdict == "ambiguous" else ()
 
 
 def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> Diagnosis:
@@ -117,18 +114,47 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     comparison = compare(campaign, progress=progress)
     problem, alone = comparison.problem, comparison.alone
     before = localise(comparison, draws=DRAWS, progress=progress)
-    naming = name(problem, alone, kinds, progress)
+    naming, proof = _opened(problem, name(problem, alone, kinds, progress), progress)
     after = localise(comparison, naming.fit, DRAWS, progress=progress) if naming.fit.effects else before
-    proof = prove(problem, naming.fit, naming.alone, progress)
-    held = as_held_out_leaves(naming, proof, stays(problem, naming.alone))
-    if held.fit is not naming.fit:
-        after, proof = before, prove(problem, held.fit, held.alone, progress)
-    naming = held
     draft = Diagnosis(
         comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=(), tried=tuple(sorted(kinds))
     )
     rivals = [rival.effects for rival in draft.alternatives]
     return dataclasses.replace(draft, suggestions=suggest(problem, naming.fit, rivals, progress)) if rivals else draft
+
+
+def _opened(problem: Problem, naming: Naming, progress: Progress) -> tuple[Naming, Proof]:
+    """Return the verdict once the records held out are opened, and the proof of what is named then.
+
+    Where these withdraw the simplest of explanations that fit alike, each of the others is fitted to all records and asked the same.
+    """
+    sound = stays(problem, naming.alone)
+
+    def asked(one: Naming) -> tuple[Naming, Proof]:
+        proof = prove(problem, one.fit, one.alone, progress)
+        return as_held_out_leaves(one, proof, sound), proof
+
+    held, proof = asked(naming)
+    if held.fit is naming.fit:
+        return held, proof
+    kept, lost = list[tuple[Naming, Proof]](), {label(naming.fit.effects): held.reasons[-1]}
+    for rival in naming.as_good if naming.verdict == "ambiguous" else ():
+        key = label(rival.effects)
+        if key in lost:
+            continue
+        try:
+            one, its = asked(instead(naming, rival, fit(problem, rival.effects, rival.fit, progress)))
+        except (InputError, SolveError):
+            lost[key] = "cannot be fitted to all records"
+            continue
+        if one.fit.effects:
+            kept.append((one, its))
+        else:
+            lost[key] = one.reasons[-1]
+    if not kept:
+        return held, prove(problem, held.fit, held.alone, progress)
+    found, proof = min(kept, key=lambda item: simplicity(item[0].fit.effects))
+    return without(found, lost), proof
 
 
 def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude: Iterable[str] = ()) -> Mapping[str, type[Effect]]:

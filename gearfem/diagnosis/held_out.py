@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from gearfem.diagnosis.naming import Naming, Verdict, sentence_of
+from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.prove import Gap, Proof
+from gearfem.diagnosis.search import Label, label
+from gearfem.diagnosis.verdict import explains
 
 # What a record held out may be left with, in parts of what can be expected of it, unless at least this share of its gap is closed.
 OPEN, CLOSES = 2.0, 0.5
@@ -79,3 +82,29 @@ def _withdrawn(naming: Naming, verdict: Verdict, words: str, rest: str = "", rec
     reason = f"On {records}, {words} is left with {naming.fit.effects[0].name}{beside} than with nuisances alone.{rest}"
     sentence = sentence_of(verdict, naming.alone, naming.closed)
     return dataclasses.replace(naming, verdict=verdict, fit=naming.alone, p_values=(), sentence=sentence, reasons=(*naming.reasons, reason))
+
+
+def instead(naming: Naming, rival: Rival, fit: Fit) -> Naming:
+    """Return the verdict that names, in the place of what it did, an explanation that is as good, as fitted to all records."""
+    named = Rival(effects=naming.fit.effects, score_difference=0.0, why="", near=True, fit=naming.fit, p_values=naming.p_values)
+    others = (named, *(one for one in naming.rivals if one is not rival))
+    shifted = (dataclasses.replace(one, score_difference=one.score_difference - rival.score_difference) for one in others)
+    return dataclasses.replace(
+        naming,
+        fit=fit,
+        p_values=rival.p_values,
+        rivals=tuple(sorted(shifted, key=lambda one: one.score_difference)),
+        sentence=sentence_of(naming.verdict, fit, naming.closed),
+    )
+
+
+def without(naming: Naming, lost: Mapping[tuple[Label, ...], str]) -> Naming:
+    """Return the verdict once records held out have left some of the explanations that fit alike, by their labels with the reasons."""
+    rivals = tuple(
+        dataclasses.replace(one, near=False, why=lost[label(one.effects)]) if label(one.effects) in lost else one for one in naming.rivals
+    )
+    found = dataclasses.replace(naming, rivals=rivals, reasons=(*naming.reasons, *lost.values()))
+    if found.as_good:
+        return found
+    verdict = explains(naming.closed, (naming.left, naming.left))
+    return dataclasses.replace(found, verdict=verdict, sentence=sentence_of(verdict, naming.fit, naming.closed))

@@ -29,7 +29,7 @@ from gearfem.diagnosis.gap import closure, gap_left
 from gearfem.diagnosis.hammering import left_open, untold
 from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Label, Search, label, near_by
+from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Label, Search, label, near_by, simplicity
 from gearfem.diagnosis.select import select
 from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.suspects import turning
@@ -196,7 +196,7 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
     if not math.isfinite(least):
         return naming
     close = [one for one in costs if costs[one] < least + threshold]
-    best = min(close, key=lambda one: (len(one.effects), sum(len(effect.parameters()) for effect in one.effects), costs[one]))
+    best = min(close, key=lambda one: (simplicity(one.effects), costs[one]))
     rivals = tuple(
         dataclasses.replace(one, score_difference=cost - costs[best], why=_beside(cost - costs[best], threshold), near=one in close)
         for one, cost in sorted(costs.items(), key=lambda item: item[1])

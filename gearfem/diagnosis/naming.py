@@ -93,6 +93,11 @@ class Naming(Record):
     sentence: str
     reasons: tuple[str, ...]
 
+    @property
+    def as_good(self) -> tuple[Rival, ...]:
+        """Explanations of no more effects that the fitted records cannot tell from what is named, best first."""
+        return tuple(rival for rival in self.rivals if rival.near and len(rival.effects) <= len(self.fit.effects))
+
     def with_rest(self, reason: str) -> Naming:
         """Return the verdict with the reason why a gap stays open beside what is named: that explains no more than a part."""
         told = dataclasses.replace(self, reasons=(*self.reasons, reason))

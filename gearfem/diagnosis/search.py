@@ -288,6 +288,11 @@ def label(effects: tuple[Effect, ...]) -> tuple[Label, ...]:
     return tuple(sorted((e.name, "" if e.either_gear else getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects))
 
 
+def simplicity(effects: tuple[Effect, ...]) -> tuple[int, int]:
+    """Return how many effects there are, and parameters: of explanations that fit alike the one with fewest is named."""
+    return len(effects), sum(len(effect.parameters()) for effect in effects)
+
+
 def exchanged(fit: Fit) -> Iterator[Fit]:
     """Yield a fit with each of its effects that either gear may have on the other one, which no record tells from it."""
     for place, effect in enumerate(fit.effects):

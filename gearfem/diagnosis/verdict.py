@@ -12,7 +12,7 @@ from gearfem.diagnosis.gap import OPEN, closure, gap_left, gaps, wide
 from gearfem.diagnosis.identify import Identifiability
 from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Label, Search, exchanged, label
+from gearfem.diagnosis.search import Label, Search, exchanged, label, simplicity
 from gearfem.diagnosis.suspects import astray, misshapen, sound, turning, wrong_by
 from gearfem.effects.effect import Effect
 
@@ -77,7 +77,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     verdict = _verdict_on(search.problem, best, closed, (level, remains), held, close) if gains else without
     if verdict == "ambiguous":
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
-        best = min([best, *close], key=lambda fit: (len(fit.effects), sum(len(e.parameters()) for e in fit.effects), scores[fit]))
+        best = min([best, *close], key=lambda fit: (simplicity(fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
     hidden = bool(named.effects) and level < OPEN

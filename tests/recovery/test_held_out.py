@@ -10,8 +10,13 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis
+from gearfem.diagnosis.diagnose import _opened
 from gearfem.diagnosis.held_out import as_held_out_leaves
+from gearfem.diagnosis.naming import Rival
 from gearfem.diagnosis.prove import Gap, _doubt, prove
+from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.profile_wear import ProfileWear
+from gearfem.foundation.progress import quiet
 
 
 @pytest.mark.parametrize(
@@ -61,6 +66,42 @@ def test_a_name_that_beats_nothing_where_nobody_looked_is_withdrawn(
     held = as_held_out_leaves(found.naming, proof, sound=False)
     assert held.verdict == verdict
     assert held.reasons[-1].endswith("A free smooth correction leaves 0.70 times as much.") == (verdict == "unexplained")
+
+
+@pytest.mark.parametrize(
+    ("standing", "verdict", "named"),
+    [
+        (("tip_relief",), "explained", "tip_relief"),
+        (("tip_relief", "profile_wear"), "ambiguous", "tip_relief"),
+        ((), "unexplained", None),
+        (("profile_slope", "tip_relief"), "ambiguous", "profile_slope"),
+    ],
+)
+def test_an_explanation_as_good_stands_where_the_simplest_is_withdrawn(
+    found: Diagnosis, monkeypatch: pytest.MonkeyPatch, standing: tuple[str, ...], verdict: str, named: str | None
+) -> None:
+    """Each of those that fit alike is asked by records held out; those that these leave are told apart then."""
+    right, setup = found.naming.fit, found.campaign.setup
+    slope, wear = (dataclasses.replace(right, effects=(kind.example(setup, "pinion"),)) for kind in (ProfileSlope, ProfileWear))
+    beaten = dataclasses.replace(found.proof, over_nuisances=0.4, stderr=0.01)
+    module = sys.modules["gearfem.diagnosis.diagnose"]
+    monkeypatch.setattr(module, "fit", lambda problem, effects, start, progress: start)
+    monkeypatch.setattr(
+        module, "prove", lambda problem, fit, *other: found.proof if {e.name for e in fit.effects} <= set(standing) else beaten
+    )
+    near = [Rival(effects=fit.effects, score_difference=-1.0, why="", near=True, fit=fit) for fit in (right, wear)]
+    naming = dataclasses.replace(found.naming, verdict="ambiguous", fit=slope, rivals=tuple(near))
+    held, proof = _opened(found.problem, naming, quiet)
+    assert held.verdict == verdict
+    assert [effect.name for effect in held.fit.effects] == ([named] if named else [])
+    if named:
+        assert proof is found.proof
+        others = {rival.effects[0].name: rival for rival in held.rivals}
+        assert set(others) == {"tip_relief", "profile_wear", "profile_slope"} - {named}
+        if named == "tip_relief":
+            assert {name for name, rival in others.items() if rival.near} == set(standing) - {named}
+            assert "records held out" in others["profile_slope"].why
+            assert any("is left with profile_slope" in reason for reason in held.reasons)
 
 
 def test_what_names_leave_of_the_fitted_records_is_counted_in_their_floors(found: Diagnosis) -> None:
