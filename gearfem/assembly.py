@@ -131,9 +131,12 @@ def _act(record: Stated, effects: tuple[Effect, ...], setup: Setup) -> Stated:
     return record
 
 
+_designed = remembered(make_flanks)
+
+
 @remembered
 def _flanks(setup: Setup, effects: tuple[Effect, ...]) -> Flanks:
-    return _act(make_flanks(setup), effects, setup)
+    return _act(_designed(setup), effects, setup)
 
 
 @remembered

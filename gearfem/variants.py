@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, Protocol
 
-from gearfem.compliance.record import Compliance, ToothCompliance
+from gearfem.compliance.record import Compliance
 from gearfem.definition.setup import Setup
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.centre_distance import CentreDistance
@@ -109,11 +109,7 @@ class ContactDepth:
 
     def act(self, compliance: Compliance, setup: Setup) -> Compliance:
         """Scale the depths."""
-
-        def deeper(tooth: ToothCompliance) -> ToothCompliance:
-            return dataclasses.replace(tooth, local_depth=tooth.local_depth * self.scale)
-
-        return compliance.each(deeper)
+        return compliance.each(lambda tooth: tooth.deeper(self.scale))
 
 
 def just(kind: Callable[..., Any], field: str, system: System, value: float) -> Any:

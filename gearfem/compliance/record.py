@@ -61,12 +61,15 @@ class ToothCompliance(ComplianceCurve):
     local_depth : ndarray, shape (n,)
         Depth of the half space that yields under a line load as the tooth does between the contact and the centreline [m]:
         the law of contact adds that part, which `deflection` leaves out. See `gearfem.compliance.local_depth`.
+    sound_depth : ndarray, shape (n,), optional
+        The same of teeth with nothing missing, where metal is missing from these.
     """
 
     outline: Outline
     offsets: tuple[int, ...]
     coupling: Array
     local_depth: Array
+    sound_depth: Array | None = None
 
     def coupled(self, scale: float) -> ToothCompliance:
         """Return the same tooth, neighbours of which feel a multiple of its load; what the nearest two lose or gain on average is its own.
@@ -78,7 +81,16 @@ class ToothCompliance(ComplianceCurve):
 
     def on_half_space(self) -> ToothCompliance:
         """Return the same tooth, a half space down to its centreline as the rule of Weber and Banaschek (1953) has it."""
-        return dataclasses.replace(self, local_depth=self.depth)
+        return dataclasses.replace(self, local_depth=self.depth, sound_depth=None)
+
+    def sound(self) -> ToothCompliance:
+        """Return the same tooth, its contact as deep as with nothing missing."""
+        return self if self.sound_depth is None else dataclasses.replace(self, local_depth=self.sound_depth, sound_depth=None)
+
+    def deeper(self, scale: float) -> ToothCompliance:
+        """Return the same tooth with a multiple of the depth of its contact."""
+        sound = None if self.sound_depth is None else scale * self.sound_depth
+        return dataclasses.replace(self, local_depth=scale * self.local_depth, sound_depth=sound)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -160,6 +160,7 @@ class FlankResponse(Record):
             depth=lines.depth,
             deflection=sound.deflection + self.turn * _turned(lines, load_lines(sound.outline, sound.u)) + share @ self.deflection,
             local_depth=ratio * lines.depth,
+            sound_depth=sound.local_depth,
             coupling=sound.coupling + np.tensordot(share, self.coupling, axes=1),
         )
 

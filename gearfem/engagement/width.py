@@ -196,13 +196,22 @@ def lead_table(flanks: Flanks, placement: Placement, compliance: Compliance, law
     among pairs: exact, as far as the coupling through the bodies is even along the width. Bodies wind up and tilt as
     the solids do; shafts and bearings stay rigid against tilting.
 
+    Flanks count as designed: nothing is missing from them but the lead. What is missing shifts the contact and bends the flanks: with
+    reliefs of 60 um, slopes of 10 um and wear of 0.4 mm under leads of 2 and 10 um the transmission error moves by 0.02 um at single
+    angles, and by 0.003 um or four thousandths of the lead's own course over the pitch (root mean square).
+
     Sizes of errors, 20/30 teeth of 2 mm, 20 mm wide, under 133 N/mm and a tilt of as much as the deflection: 8 slices against 16,
     and the default solids against finer ones, each leave 0.1 % of what the lead adds and 1 to 2 % of the largest line load. The
     ends carry 5 % more if the influence is made reciprocal, which reading it on the centreline keeps it from being. All slices of
     all pairs solved at once differ by 0.4 % of the transmission error on the path and 2 % on a tip edge, by 0.003 and 0.02 in load
     shares; coupling through the body as uneven as the teeth themselves would make that at most 5 % and 0.05.
     """
-    return _lead_table(*_plain(flanks, placement, compliance), on_flanks(law), slices)
+    designed = dataclasses.replace(
+        flanks,
+        pinion=dataclasses.replace(flanks.pinion, deviation=None),
+        wheel=dataclasses.replace(flanks.wheel, deviation=None),
+    )
+    return _lead_table(*_plain(designed, placement, compliance.each(ToothCompliance.sound)), on_flanks(law), slices)
 
 
 def _plain(flanks: Flanks, placement: Placement, compliance: Compliance) -> tuple[Flanks, Placement, Compliance]:
@@ -218,7 +227,8 @@ def _plain(flanks: Flanks, placement: Placement, compliance: Compliance) -> tupl
         return dataclasses.replace(flank, gear=dataclasses.replace(flank.gear, tip_edge_radius=edge))
 
     def depths(tooth: ToothCompliance) -> ToothCompliance:
-        return dataclasses.replace(tooth, deflection=np.zeros_like(tooth.deflection), coupling=np.zeros_like(tooth.coupling))
+        none = np.zeros_like(tooth.deflection)
+        return dataclasses.replace(tooth, radius=none, depth=none, deflection=none, coupling=np.zeros_like(tooth.coupling))
 
     bare = dataclasses.replace(
         flanks,
