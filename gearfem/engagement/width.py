@@ -198,7 +198,7 @@ def lead_table(flanks: Flanks, placement: Placement, compliance: Compliance, law
 
     Flanks count as designed: nothing is missing from them but the lead. What is missing shifts the contact and bends the flanks: with
     reliefs of 60 um, slopes of 10 um and wear of 0.4 mm under leads of 2 and 10 um the transmission error moves by 0.02 um at single
-    angles, and by 0.003 um or four thousandths of the lead's own course over the pitch (root mean square).
+    angles, and by 0.002 um, three thousandths of the lead's own course over the pitch, as root mean square.
 
     Sizes of errors, 20/30 teeth of 2 mm, 20 mm wide, under 133 N/mm and a tilt of as much as the deflection: 8 slices against 16,
     and the default solids against finer ones, each leave 0.1 % of what the lead adds and 1 to 2 % of the largest line load. The

@@ -7,8 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
+from gearfem.assembly import assemble
 from gearfem.compliance import Root, SolidElements
 from gearfem.contact import Line
+from gearfem.effects.profile_wear import ProfileWear
+from gearfem.effects.tip_relief import TipRelief
 from gearfem.engagement import width
 from gearfem.engagement.engage import Mesh, engage, mesh_force
 from gearfem.engagement.sharing import PairSystem, share_torque
@@ -42,6 +45,29 @@ def test_parallel_flanks_stay_as_they_are_and_cost_no_solids(mesh, angle, monkey
     monkeypatch.setattr(width, "_influence", lambda *_: pytest.fail("solid elements for parallel flanks"))
     coarse = dataclasses.replace(mesh, slices=FaceSlices(count=4))
     assert digest(engage(with_lead(coarse, np.zeros_like), angle, TORQUE)) == digest(engage(mesh, angle, TORQUE))
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [TipRelief(gear="wheel", amount=20e-6, length=2e-3), ProfileWear(gear="pinion", tip=20e-6, root=30e-6, pitch=3e-6)],
+    ids=["relief", "wear"],
+)
+def test_what_is_missing_from_the_flanks_hardly_changes_what_a_lead_adds(small_pair, angle, effect) -> None:
+    """It is computed from flanks as designed, once for all forms of them."""
+
+    def tilted(*effects) -> Mesh:
+        return with_lead(dataclasses.replace(assemble(small_pair, effects).mesh, slices=SLICES), lambda place: 1e-5 * TILT(place))
+
+    def error(mesh: Mesh) -> np.ndarray:
+        return engage(mesh, angle, TORQUE).transmission_error
+
+    mesh, exact = tilted(effect), tilted(effect)
+    as_they_are = width._plain(mesh.flanks, mesh.placement, mesh.compliance)
+    exact.__dict__["lead"] = width._lead_table(*as_they_are, width.on_flanks(mesh.law), SLICES)
+    added = error(exact) - error(with_lead(mesh, np.zeros_like))
+    assert added.min() > 2e-6
+    assert error(mesh) == pytest.approx(error(exact), rel=0.0, abs=5e-3 * added.mean())
+    assert digest(mesh.lead) == digest(tilted().lead) != digest(exact.lead)
 
 
 def test_an_even_gap_shifts_the_error(mesh, angle) -> None:
