@@ -73,7 +73,7 @@ class Diagnosis(Record):
     @property
     def alternatives(self) -> tuple[Rival, ...]:
         """Explanations that the data cannot tell from the named one, best first."""
-        return self.naming.as_good if self.naming.verdict == "ambiguous" else ()
+        return self.naming.as_good
 
 
 def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> Diagnosis:
@@ -138,14 +138,14 @@ def _opened(problem: Problem, naming: Naming, progress: Progress) -> tuple[Namin
     if held.fit is naming.fit:
         return held, proof
     kept, lost = list[tuple[Naming, Proof]](), {label(naming.fit.effects): held.reasons[-1]}
-    for rival in naming.as_good if naming.verdict == "ambiguous" else ():
+    for rival in naming.as_good:
         key = label(rival.effects)
         if key in lost:
             continue
         try:
             one, its = asked(instead(naming, rival, fit(problem, rival.effects, rival.fit, progress)))
         except (InputError, SolveError):
-            lost[key] = "cannot be fitted to all records"
+            lost[key] = f"{' + '.join(effect.name for effect in rival.effects)} cannot be fitted to all records."
             continue
         if one.fit.effects:
             kept.append((one, its))

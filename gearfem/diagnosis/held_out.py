@@ -86,8 +86,7 @@ def _withdrawn(naming: Naming, verdict: Verdict, words: str, rest: str = "", rec
 
 def instead(naming: Naming, rival: Rival, fit: Fit) -> Naming:
     """Return the verdict that names, in the place of what it did, an explanation that is as good, as fitted to all records."""
-    named = Rival(effects=naming.fit.effects, score_difference=0.0, why="", near=True, fit=naming.fit, p_values=naming.p_values)
-    others = (named, *(one for one in naming.rivals if one is not rival))
+    others = (naming.named, *(one for one in naming.rivals if one is not rival))
     shifted = (dataclasses.replace(one, score_difference=one.score_difference - rival.score_difference) for one in others)
     return dataclasses.replace(
         naming,

@@ -172,7 +172,7 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
     if naming.verdict != "ambiguous" or not near or not any(turns_round(record) for record in problem.records):
         return naming
     rows = row_by_row(problem, mean.known)
-    own = Rival(effects=naming.fit.effects, score_difference=0.0, why="", near=True, fit=naming.fit, p_values=naming.p_values)
+    own = naming.named
     threshold = max(naming.threshold, BY_ROWS)
 
     def cost(one: Rival, hopeless: float = math.inf) -> float:

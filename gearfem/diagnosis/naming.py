@@ -96,7 +96,14 @@ class Naming(Record):
     @property
     def as_good(self) -> tuple[Rival, ...]:
         """Explanations of no more effects that the fitted records cannot tell from what is named, best first."""
+        if self.verdict != "ambiguous":
+            return ()
         return tuple(rival for rival in self.rivals if rival.near and len(rival.effects) <= len(self.fit.effects))
+
+    @property
+    def named(self) -> Rival:
+        """What is named, as one explanation among those as good."""
+        return Rival(effects=self.fit.effects, score_difference=0.0, why="", near=True, fit=self.fit, p_values=self.p_values)
 
     def with_rest(self, reason: str) -> Naming:
         """Return the verdict with the reason why a gap stays open beside what is named: that explains no more than a part."""
