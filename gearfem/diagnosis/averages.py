@@ -19,7 +19,7 @@ from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.fit import AGAIN, Fit, again
 from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import Noise
-from gearfem.diagnosis.pitch_point import turned_round
+from gearfem.diagnosis.pitch_point import sooner_or_later, turns_round
 from gearfem.diagnosis.problem import BenchOf, Problem
 from gearfem.diagnosis.quantities import Quantity
 from gearfem.diagnosis.system_bench import SystemBench
@@ -27,6 +27,7 @@ from gearfem.diagnosis.teeth import Scatter, tooth_columns
 from gearfem.diagnosis.unknowns import unknowns_of
 from gearfem.diagnosis.whitening import Whitening
 from gearfem.effects.effect import Effect
+from gearfem.effects.friction import Friction
 from gearfem.foundation import Array, Record
 
 # Places of the pitch between which a mean over pitches runs in straight lines.
@@ -41,6 +42,8 @@ MISSED = {"dynamic_transmission_error": 0.015, "pinion_angular_acceleration": 0.
 APART, HAMMERS, ANY = 0.25, 0.35, 1.0
 # Times that index errors and waviness are fitted anew: they are all but linear.
 TIMES = 3
+# Coefficient of friction by which is seen what friction does.
+SOME = 0.1
 # What index errors may be off where they stand still [m], and the least that single teeth do to a mean, in deviations of its noise.
 INDEX, LEAST = 0.1e-6, 0.1
 # By how much scores of the same explanation may differ by where its fit began (2 from six starts, with contact over tip edges unknown too),
@@ -287,15 +290,15 @@ def _rest(
     white = np.concatenate([noise.whitener.apply(part) for noise, part in zip(noises, columns, strict=True)])
     _, strength, ways = np.linalg.svd(white, full_matrices=False)
     ways = ways[strength > LEAST].T
-    own = [turned_round(record, bench, settings) if turns_round(record) else np.empty((len(record.axis), 0)) for record in records]
+    own = [_sooner_or_later(record, bench, settings) if turns_round(record) else np.empty((len(record.axis), 0)) for record in records]
     missed = np.column_stack([np.concatenate(columns) @ ways, block_diag(*own)])
     parts = np.split(missed, np.cumsum([len(record.axis) for record in records])[:-1])
     return {record.file: part for record, part in zip(records, parts, strict=True)}
 
 
-def turns_round(record: Measurement) -> bool:
-    """Return whether a record shows the step of friction at the pitch point: motions round it, and teeth yield the same on both sides."""
-    return record.quantity.name == "static_transmission_error"
+def _sooner_or_later(record: Measurement, bench: BenchOf, settings: Settings) -> Array:
+    rubbing, smooth = (bench((Friction(coefficient=much),)).predict(record, settings) for much in (SOME, 0.0))
+    return sooner_or_later((rubbing - smooth) / SOME)
 
 
 def hammering(record: Measurement, bench: SystemBench, settings: Settings) -> float:

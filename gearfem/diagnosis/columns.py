@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.first_touch import touched_first
 from gearfem.diagnosis.largest import EXPECTED_RISE, at_peaks
 from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.model_form import model_form
 from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import slopes
+from gearfem.diagnosis.pitch_point import gradually
 from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import Scatter, tooth_columns
+from gearfem.diagnosis.teeth import Scatter, ride_of, rides, tooth_columns
 from gearfem.diagnosis.unknowns import FREE, Unknowns
 from gearfem.foundation import Array
 from gearfem.variants import Variant
@@ -39,7 +41,7 @@ def make_columns(
     Returns
     -------
     tuple of ndarray, shapes (n, i)
-        Of each record over the inner unknowns in prior deviations [SI]: constants, teeth, model form, rise of the largest Kw.
+        Of each record over the inner unknowns in prior deviations [SI]: those of `errors_of` behind constants.
     tuple of ndarray, shapes (m_r, i + outer)
         The same whitened, and the outer unknowns behind them: scales and the zero of the angle.
     tuple of ndarray, shapes (n,)
@@ -84,12 +86,22 @@ def errors_of(
     Returns
     -------
     ndarray, shape (n, i)
-        Single teeth, or what these still do to means; model form, see `model_form`; and how far the rise of the largest Kw of a turn by
-        waviness may be off, see `at_peaks`.
+        Single teeth, or what these still do to means; model form, see `model_form`; over which way friction turns round, see `gradually`;
+        what the damper acts on, see `touched_first`; and how far the rise of the largest Kw of a turn by waviness may be off, see
+        `at_peaks`.
     """
-    teeth = tooth_columns(record, bench, settings, scatter)
+    ride = ride_of(record, bench, settings) if rides(record) else None
+    teeth = tooth_columns(record, bench, settings, scatter, ride)
     largest = record.quantity.name == "dynamic_factor"
     shared, rise = at_peaks(record, bench, settings, scatter) if largest else (teeth, np.zeros(len(here)))
     form = model_form(record, bench, settings, here, shared, scatter, errors)
     single = scatter.rest[record.file] if scatter.rest is not None else teeth * scatter.deviations(bench.pair)
-    return np.column_stack([single, form, rise / EXPECTED_RISE])
+    turning = gradually(record, bench.pair, _rubbing(form, errors))
+    touch = np.zeros(len(here)) if ride is None else touched_first(record, bench, settings, ride)
+    return np.column_stack([single, form, turning, touch, rise / EXPECTED_RISE])
+
+
+def _rubbing(form: Array, errors: tuple[Variant, ...]) -> Array:
+    """Return what friction does to a record, per unit of its coefficient; 0 where that is none of the unknowns."""
+    own = [form[:, place] / variant.size for place, variant in enumerate(errors) if variant.name == "friction"]
+    return own[0] if own else np.zeros(len(form))

@@ -70,10 +70,10 @@ def _finite(problem: Problem, fit: Fit) -> Array:
 def _form_scales(problem: Problem, effects: tuple[Effect, ...], count: int) -> Array:
     """Return by how much smaller errors of the model are under effects than under those of the columns, shape (count,).
 
-    Only forms common to all teeth are: they stand behind the variants, and the rise of the largest Kw behind them.
+    Only forms common to all teeth are.
     """
-    terms, scales = problem.unknowns.scatter.terms, np.ones(count)
+    unknowns, scales = problem.unknowns, np.ones(count)
     parts = zip(*(form_errors(problem.bench(own)) for own in (effects, problem.effects)), strict=True)
-    forms = slice(len(problem.unknowns.errors), len(problem.unknowns.errors) + 2 * terms)
-    scales[forms] = np.repeat([here / prepared for here, prepared in parts], terms)
+    forms = slice(unknowns.forms.start - unknowns.first_form, unknowns.forms.stop - unknowns.first_form)
+    scales[forms] = np.repeat([here / prepared for here, prepared in parts], unknowns.scatter.terms)
     return scales

@@ -20,7 +20,6 @@ from gearfem.diagnosis.averages import (
     row_by_row,
     shows_in_means,
     teeth_under,
-    turns_round,
     whole,
 )
 from gearfem.diagnosis.bench import Settings
@@ -28,6 +27,7 @@ from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.gap import closure, gap_left
 from gearfem.diagnosis.hammering import left_open, untold
 from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
+from gearfem.diagnosis.pitch_point import turns_round
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Label, Search, label, near_by, simplicity
 from gearfem.diagnosis.select import select

@@ -47,12 +47,17 @@ def turning(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
 def misshapen(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
     """Return the errors of our model in a fit that are too large to be any.
 
-    Variants, forms common to all teeth together (the root of their squares: of six healthy pairs it was 2.1 at most), and the rise of the
-    largest Kw by waviness, which stands last.
+    Variants, forms common to all teeth together (the root of their squares: of six healthy pairs it was 2.1 at most), the way over which
+    friction turns round, what the damper acts on, and the rise of the largest Kw by waviness.
     """
-    forms, rise = np.split(fit.point.unknown[problem.unknowns.wrong.stop :], [-1])
-    words = ("forms common to all teeth, together", "rise of the largest Kw by waviness")
-    moved = zip(words, (np.linalg.norm(forms), *rise), strict=True)
+    forms = problem.unknowns.forms
+    *ways, touch, rise = fit.point.unknown[forms.stop :]
+    moved = (
+        ("forms common to all teeth, together", np.linalg.norm(fit.point.unknown[forms])),
+        ("way over which friction turns round", np.linalg.norm(ways)),
+        ("what the damper acts on", touch),
+        ("rise of the largest Kw by waviness", rise),
+    )
     return [*wrong_by(problem, fit), *((word, float(one)) for word, one in moved if abs(one) > LOST)]
 
 

@@ -7,6 +7,7 @@ import functools
 import math
 from collections.abc import Mapping
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -69,7 +70,7 @@ class Scatter(Record):
         return np.tile(np.concatenate([[self.index], self.waviness * self.shapes()]), sum(self.counts(pair)))
 
 
-def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter: Scatter) -> Array:
+def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter: Scatter, ride: Ride | None = None) -> Array:
     """Return the derivatives of a record over the scatter of all teeth.
 
     Parameters
@@ -82,6 +83,8 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
         Where it stands.
     scatter : Scatter
         How many terms describe a flank.
+    ride : Ride, optional
+        The motion of a record of one, where it is there already.
 
     Returns
     -------
@@ -100,8 +103,8 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
         weights = bench.weights(angle, record.pinion_torque, settings)
         shapes = _shapes(weights, angle, pair, scatter.terms)
         return _as_read(_slow(weights, shapes, scatter.counts(pair), range(sum(scatter.counts(pair)))), gain, scatter)
-    if name in ("dynamic_transmission_error", "pinion_angular_acceleration"):
-        return _as_read(_at_speed(record, bench, settings, scatter), gain, scatter)
+    if rides(record):
+        return _as_read(_at_speed(record, bench, ride or ride_of(record, bench, settings), scatter), gain, scatter)
     counts = scatter.counts(pair)
     out = np.zeros((len(record.axis), sum(counts), scatter.terms + 1))
     first = counts[0] if record.gear == "wheel" else 0
@@ -158,7 +161,44 @@ def _shapes(weights: Weights, angle: Array, pair: GearPair, terms: int, derivati
     return _polynomials(path, pair, terms, derivative)
 
 
-def _at_speed(record: Measurement, bench: Bench, settings: Settings, scatter: Scatter) -> Array:
+def rides(record: Measurement) -> bool:
+    """Return whether a record follows a motion over the angle."""
+    return record.quantity.moving and record.quantity.axis == "angle"
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Ride(Record):
+    """The motion of a record on a grid of equal steps that begins a ring-down before it, and the way back to the record's rows.
+
+    Parameters
+    ----------
+    grid : ndarray, shape (g,)
+        Recorded pinion angles, less the instrument's delay [rad].
+    angle : ndarray, shape (g,)
+        True ones [rad].
+    step : float
+        Time step [s].
+    swing : Swing
+        The motion there.
+    between : sparse array, shape (n, g)
+        Makes rows of the record.
+    """
+
+    grid: Array
+    angle: Array
+    step: float
+    swing: Swing
+    between: Any
+
+    def rows(self, errors: Array, rates: Array, record: Measurement, bench: Bench) -> Array:
+        """Return what small errors of the flanks do to the record, read: errors [m] and rates [m/s] shape (g, k), see `respond`."""
+        acceleration = record.quantity.name == "pinion_angular_acceleration"
+        moving = respond(errors, rates, self.swing, self.step, acceleration)
+        return np.asarray(self.between @ bench.read(moving, self.step))
+
+
+def ride_of(record: Measurement, bench: Bench, settings: Settings) -> Ride:
+    """Return the motion of a record of a motion, as a model has it."""
     oscillator = bench.oscillator(record.pinion_torque, settings)
     speed = record.pinion_speed
     axis = record.axis - speed * bench.delay
@@ -171,16 +211,24 @@ def _at_speed(record: Measurement, bench: Bench, settings: Settings, scatter: Sc
     before = math.ceil(min(ring, LONGEST_LEAD * 2.0 * math.pi) / step)
     grid = axis[0] + step * np.arange(-before, math.ceil((axis[-1] - axis[0]) / step) + 2)
     angle = grid + settings.angle_offset
-    swing = bench.swing(angle, record.pinion_torque, speed, settings, record.kick)
-    shapes, slopes = (_shapes(swing.weights, angle, bench.pair, scatter.terms, derivative) for derivative in (0, 1))
-    between = BSpline.design_matrix(axis, np.pad(grid, 1, mode="edge"), 1)
+    return Ride(
+        grid=grid,
+        angle=angle,
+        step=step / speed,
+        swing=bench.swing(angle, record.pinion_torque, speed, settings, record.kick),
+        between=BSpline.design_matrix(axis, np.pad(grid, 1, mode="edge"), 1),
+    )
+
+
+def _at_speed(record: Measurement, bench: Bench, ride: Ride, scatter: Scatter) -> Array:
+    swing = ride.swing
+    shapes, slopes = (_shapes(swing.weights, ride.angle, bench.pair, scatter.terms, derivative) for derivative in (0, 1))
     counts, out = scatter.counts(bench.pair), []
     # A few teeth at a time: what they do at all steps then stays near the processor.
     for first in range(0, sum(counts), TOGETHER):
         group = range(first, min(first + TOGETHER, sum(counts)))
         errors, rates = _slow(swing.weights, shapes, counts, group), _slow(swing.shares, slopes, counts, group)
-        moving = respond(errors, speed * rates, swing, step / speed, record.quantity.name == "pinion_angular_acceleration")
-        out.append(between @ bench.read(moving, step / speed))
+        out.append(ride.rows(errors, record.pinion_speed * rates, record, bench))
     return np.concatenate(out, axis=1)
 
 

@@ -84,6 +84,11 @@ class Unknowns(Record):
         return slice(self.first_form, self.first_form + len(self.errors))
 
     @property
+    def forms(self) -> slice:
+        """Places of the forms common to all teeth of either gear."""
+        return slice(self.wrong.stop, self.wrong.stop + 2 * self.scatter.terms)
+
+    @property
     def held(self) -> NDArray[Any]:
         """Places of what is linear nearby and yet held by predictions, since it bends far off: index errors, and errors of the model."""
         places = np.arange(self.wrong.stop)
