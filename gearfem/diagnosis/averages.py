@@ -19,7 +19,7 @@ from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.fit import AGAIN, Fit, again
 from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.noise import Noise
-from gearfem.diagnosis.pitch_point import sooner_or_later, turns_round
+from gearfem.diagnosis.pitch_point import COEFFICIENT, sooner_or_later, turns_round
 from gearfem.diagnosis.problem import BenchOf, Problem
 from gearfem.diagnosis.quantities import Quantity
 from gearfem.diagnosis.system_bench import SystemBench
@@ -42,8 +42,6 @@ MISSED = {"dynamic_transmission_error": 0.015, "pinion_angular_acceleration": 0.
 APART, HAMMERS, ANY = 0.25, 0.35, 1.0
 # Times that index errors and waviness are fitted anew: they are all but linear.
 TIMES = 3
-# Coefficient of friction by which is seen what friction does.
-SOME = 0.1
 # What index errors may be off where they stand still [m], and the least that single teeth do to a mean, in deviations of its noise.
 INDEX, LEAST = 0.1e-6, 0.1
 # By how much scores of the same explanation may differ by where its fit began (2 from six starts, with contact over tip edges unknown too),
@@ -297,13 +295,13 @@ def _rest(
 
 
 def _sooner_or_later(record: Measurement, bench: BenchOf, settings: Settings) -> Array:
-    rubbing, smooth = (bench((Friction(coefficient=much),)).predict(record, settings) for much in (SOME, 0.0))
-    return sooner_or_later((rubbing - smooth) / SOME)
+    rubbing, smooth = (bench((Friction(coefficient=much),)).predict(record, settings) for much in (COEFFICIENT, 0.0))
+    return sooner_or_later((rubbing - smooth) / COEFFICIENT)
 
 
 def hammering(record: Measurement, bench: SystemBench, settings: Settings) -> float:
     """Return how far the motion of a record as settings have it is one whose flanks hammer, from 0 to 1: apart for much of the time."""
-    if not record.quantity.moving or record.quantity.axis != "angle":
+    if not record.quantity.is_motion:
         return 0.0
     swing = bench.swing(record.axis + settings.angle_offset, record.pinion_torque, record.pinion_speed, settings, record.kick)
     return float(np.interp(np.mean(swing.stiffness == 0.0), (APART, HAMMERS), (0.0, 1.0)))

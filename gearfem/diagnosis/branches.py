@@ -15,11 +15,6 @@ KICKS = ((0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (-3.0, 0.0), (0.0, 1.0), (0.0, -1.
 FAR, NEARER = 3.0, 0.5
 
 
-def has_branches(record: Measurement) -> bool:
-    """Return whether a record is a motion over the angle, of which there may be several."""
-    return record.quantity.moving and record.quantity.axis == "angle"
-
-
 def nearest(record: Measurement, far: float, here: Array, left: Callable[[Measurement], Array]) -> Measurement:
     """Return a record with the beginning of its motion from which the model comes nearest to it.
 
@@ -39,7 +34,7 @@ def nearest(record: Measurement, far: float, here: Array, left: Callable[[Measur
     Near resonances a pair with backlash has several steady motions under one load, with flanks in contact and apart, and of those that come
     back after two or three pitches as many again. Another one than that from rest is taken only if it leaves half as much.
     """
-    if not has_branches(record) or record.rms(here) < far:
+    if not record.quantity.is_motion or record.rms(here) < far:
         return record
     found, best = record, NEARER * record.rms(here)
     for kick in (kick for kick in KICKS if kick != record.kick):

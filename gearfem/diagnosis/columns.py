@@ -13,7 +13,7 @@ from gearfem.diagnosis.noise import Noise
 from gearfem.diagnosis.nuisances import slopes
 from gearfem.diagnosis.pitch_point import gradually
 from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import Scatter, ride_of, rides, tooth_columns
+from gearfem.diagnosis.teeth import Scatter, ride_of, tooth_columns
 from gearfem.diagnosis.unknowns import FREE, Unknowns
 from gearfem.foundation import Array
 from gearfem.variants import Variant
@@ -90,7 +90,7 @@ def errors_of(
         what the damper acts on, see `touched_first`; and how far the rise of the largest Kw of a turn by waviness may be off, see
         `at_peaks`.
     """
-    ride = ride_of(record, bench, settings) if rides(record) else None
+    ride = ride_of(record, bench, settings) if record.quantity.is_motion else None
     teeth = tooth_columns(record, bench, settings, scatter, ride)
     largest = record.quantity.name == "dynamic_factor"
     shared, rise = at_peaks(record, bench, settings, scatter) if largest else (teeth, np.zeros(len(here)))

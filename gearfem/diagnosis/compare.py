@@ -15,7 +15,7 @@ from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.approach import LOST, at_rest, fit_from, part_of, tuned
 from gearfem.diagnosis.averages import averaged, has_means, of_teeth, teeth_under, whole
 from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.branches import FAR, has_branches, nearest
+from gearfem.diagnosis.branches import FAR, nearest
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.comparison import Compared, Comparison, Shift
 from gearfem.diagnosis.fit import Fit, again
@@ -121,7 +121,7 @@ def _begun(problem: Problem, alone: Fit) -> tuple[Measurement, ...]:
 
     expected = [noise.std * math.sqrt(floor) for noise, floor in zip(problem.noises, problem.floor, strict=True)]
     sized = zip(problem.records, expected, strict=True)
-    return tuple(nearest(one, FAR * size, left(one), left) if has_branches(one) else one for one, size in sized)
+    return tuple(nearest(one, FAR * size, left(one), left) if one.quantity.is_motion else one for one, size in sized)
 
 
 def _by_turns(problem: Problem, level: Settings, late: Settings, progress: Progress) -> tuple[Fit, tuple[Shift, ...]]:

@@ -51,6 +51,11 @@ class Quantity(Record):
         return self.axis in ("roll", "tooth")
 
     @property
+    def is_motion(self) -> bool:
+        """Whether the record follows a motion over the angle."""
+        return self.moving and self.axis == "angle"
+
+    @property
     def unit(self) -> str:
         """Unit of the value in files; empty for a dimensionless one."""
         return UNITS[self.columns[1]]

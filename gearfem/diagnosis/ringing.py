@@ -44,7 +44,7 @@ def rung(view: View, start: Effect) -> list[Effect]:
     forgotten how they began, serves all of them. A resonance has no strength: it gains what it gains as it stands.
     """
     problem, tried = view.problem, _resonances(start)
-    follows = [record.quantity.moving and record.quantity.axis == "angle" for record in problem.records]
+    follows = [record.quantity.is_motion for record in problem.records]
     if not any(follows):
         return shapes_of(start, problem.campaign.setup)
     instruments = [effect.act(Instrument(), problem.campaign.setup) for _, effect in tried]

@@ -123,7 +123,7 @@ def _order_sheet(file: str, rows: slice, angle: Array, pair: GearPair) -> Sheet:
 
 def _frequencies(records: tuple[Measurement, ...], rows: tuple[slice, ...]) -> list[Sheet]:
     """Bands of fixed frequency over all records taken at speed: a resonance of sensor or shaft stands still where orders move."""
-    moving = [(r, own) for r, own in zip(records, rows, strict=True) if r.quantity.moving and r.quantity.axis == "angle"]
+    moving = [(r, own) for r, own in zip(records, rows, strict=True) if r.quantity.is_motion]
     if len({round(record.pinion_speed / RPM, 3) for record, _ in moving}) < 2:
         return []
     # Samples in a second of each record.

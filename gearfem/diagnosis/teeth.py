@@ -103,7 +103,7 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
         weights = bench.weights(angle, record.pinion_torque, settings)
         shapes = _shapes(weights, angle, pair, scatter.terms)
         return _as_read(_slow(weights, shapes, scatter.counts(pair), range(sum(scatter.counts(pair)))), gain, scatter)
-    if rides(record):
+    if record.quantity.is_motion:
         return _as_read(_at_speed(record, bench, ride or ride_of(record, bench, settings), scatter), gain, scatter)
     counts = scatter.counts(pair)
     out = np.zeros((len(record.axis), sum(counts), scatter.terms + 1))
@@ -159,11 +159,6 @@ def _shapes(weights: Weights, angle: Array, pair: GearPair, terms: int, derivati
     """Return the polynomials where the pairs touch, or their slopes over the pinion angle; shape (n, p, terms + 1)."""
     path = (angle[:, None] / pair.pinion.pitch_angle - weights.pairs) * pair.base_pitch
     return _polynomials(path, pair, terms, derivative)
-
-
-def rides(record: Measurement) -> bool:
-    """Return whether a record follows a motion over the angle."""
-    return record.quantity.moving and record.quantity.axis == "angle"
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -14,7 +14,6 @@ from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.largest import expected
 from gearfem.diagnosis.naming import Rival
 from gearfem.diagnosis.prove import Gap
-from gearfem.diagnosis.teeth import rides
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
@@ -182,7 +181,7 @@ def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         rows.append(_row(nuisance.name, nuisance.words, float(moved), float(getattr(fit.settings, nuisance.name)), nuisance.unit))
     for variant, moved in zip(VARIANTS, fit.point.unknown[problem.unknowns.first_form :], strict=False):
         rows.append(_row(variant.name, f"error of the model: {variant.words}", float(moved), variant.value(float(moved)), variant.unit))
-    if any(rides(record) for record in problem.records):
+    if any(record.quantity.is_motion for record in problem.records):
         touch = float(fit.point.unknown[-2])
         words = "share of the mesh damper that acts on the flanks that touch first, not by shares of load"
         rows.append(_row("damper_first_touch", words, touch, touch))
