@@ -167,6 +167,9 @@ class Bench(Protocol):
     def weights(self, angle: Array, torque: float, settings: Settings) -> Weights:
         """Return the weights of the teeth in the slow transmission error at true pinion angles [rad] and a stated torque [N m]."""
 
+    def unloaded(self, angle: Array, torque: float, settings: Settings) -> Array:
+        """Return the transmission error [m] at true pinion angles [rad] under a hundredth of a stated torque [N m], without ripple."""
+
     def oscillator(self, torque: float, settings: Settings) -> Oscillator:
         """Return the oscillator of the mesh at a stated torque [N m]."""
 

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
 from gearfem.diagnosis.bench import Bench, Settings
 from gearfem.diagnosis.measurement import Measurement
-from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.diagnosis.teeth import Ride
 from gearfem.foundation import Array
-
-# Part of the torque under which one pair of flanks touches and next to nothing yields.
-UNLOADED = 0.01
 
 
 def touched_first(record: Measurement, bench: Bench, settings: Settings, ride: Ride) -> Array:
@@ -37,11 +31,6 @@ def touched_first(record: Measurement, bench: Bench, settings: Settings, ride: R
     ndarray, shape (n,)
         Linear about the motion [SI].
     """
-    slow = dataclasses.replace(
-        record.over(ride.grid),
-        quantity=QUANTITIES["static_transmission_error"],
-        pinion_torque=UNLOADED * record.pinion_torque,
-        pinion_speed=0.0,
-    )
-    rate = np.gradient(bench.predict(slow, settings), ride.grid)[:, None] * record.pinion_speed
-    return ride.rows(np.zeros_like(rate), rate, record, bench)[:, 0]
+    unloaded = bench.unloaded(ride.angle, record.pinion_torque, settings)
+    rate = np.gradient(unloaded, ride.grid)[:, None] * record.pinion_speed
+    return settings.gain * bench.gain * ride.rows(np.zeros_like(rate), rate, record, bench)[:, 0]

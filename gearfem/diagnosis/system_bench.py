@@ -29,6 +29,8 @@ from gearfem.variants import VARIANTS, Variant, varied
 
 # Part of the mean load below which the flanks of a motion count as apart.
 LEAST_LOAD = 0.02
+# Part of the torque under which one pair of flanks touches and next to nothing yields.
+UNLOADED = 0.01
 # Places of the path of contact at which the depth of a flank is averaged.
 DEPTHS = 101
 # Systems of other coupling, tip edges and errors that stay in memory: those of a derivative.
@@ -112,6 +114,10 @@ class SystemBench(Record):
         """Return the weights of the teeth in the slow transmission error at true pinion angles [rad] and a stated torque [N m]."""
         turns = static(Turns(mesh=self._system(settings).mesh), angle, self._torque(torque, settings))
         return Weights(pairs=turns.pairs, pinion=turns.pinion_weight, wheel=turns.wheel_weight)
+
+    def unloaded(self, angle: Array, torque: float, settings: Settings) -> Array:
+        """Return the transmission error [m] at true pinion angles [rad] under a hundredth of a stated torque [N m], without ripple."""
+        return static(Turns(mesh=self._system(settings).mesh), angle, UNLOADED * self._torque(torque, settings)).transmission_error
 
     def oscillator(self, torque: float, settings: Settings) -> Oscillator:
         """Return the oscillator of the mesh at a stated torque [N m]."""

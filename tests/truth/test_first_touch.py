@@ -8,11 +8,12 @@ from scipy.integrate import solve_ivp
 
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
-from gearfem.diagnosis.bench import Settings
+from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.first_touch import touched_first
 from gearfem.diagnosis.measurement import make_record
 from gearfem.diagnosis.system_bench import SystemBench
 from gearfem.diagnosis.teeth import ride_of
+from gearfem.effects.torque_ripple import TorqueRipple
 from gearfem.foundation.units import UM
 
 TORQUE = 50.0
@@ -52,3 +53,12 @@ def test_damper_on_the_first_touch_acts_as_the_equation_of_motion_says(small_pai
     off = np.std(found - expected) / np.std(expected)
     print(f"{quantity}: off by {off:.4f}, {np.ptp(expected):.3g}")
     assert off < limit
+
+
+def test_a_torque_that_swings_by_more_than_next_to_no_load_is_no_obstacle(small_pair: Setup) -> None:
+    swinging = SystemBench(
+        system=assemble(small_pair, (TorqueRipple(gear="pinion", order=2, amplitude=0.1 * TORQUE, phase=0.0),)), errors=()
+    )
+    record = make_record("dynamic_transmission_error", np.linspace(0.0, 1.0, 100), pinion_torque=TORQUE, pinion_speed=100.0)
+    settings = neutral(small_pair.pair)
+    assert np.isfinite(touched_first(record, swinging, settings, ride_of(record, swinging, settings))).all()
