@@ -31,6 +31,5 @@ def touched_first(record: Measurement, bench: Bench, settings: Settings, ride: R
     ndarray, shape (n,)
         Linear about the motion [SI].
     """
-    unloaded = bench.unloaded(ride.angle, record.pinion_torque, settings)
-    rate = np.gradient(unloaded, ride.grid)[:, None] * record.pinion_speed
+    rate = np.gradient(bench.unloaded(ride.angle, record.pinion_torque, settings), ride.step)[:, None]
     return settings.gain * bench.gain * ride.rows(np.zeros_like(rate), rate, record, bench)[:, 0]

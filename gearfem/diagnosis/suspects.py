@@ -50,13 +50,12 @@ def misshapen(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
     Variants, forms common to all teeth together (the root of their squares: of six healthy pairs it was 2.1 at most), the way over which
     friction turns round, what the damper acts on, and the rise of the largest Kw by waviness.
     """
-    forms = problem.unknowns.forms
-    *ways, touch, rise = fit.point.unknown[forms.stop :]
+    unknowns, unknown = problem.unknowns, fit.point.unknown
     moved = (
-        ("forms common to all teeth, together", np.linalg.norm(fit.point.unknown[forms])),
-        ("way over which friction turns round", np.linalg.norm(ways)),
-        ("what the damper acts on", touch),
-        ("rise of the largest Kw by waviness", rise),
+        ("forms common to all teeth, together", np.linalg.norm(unknown[unknowns.forms])),
+        ("way over which friction turns round", np.linalg.norm(unknown[unknowns.ways])),
+        ("what the damper acts on", unknown[unknowns.touch]),
+        ("rise of the largest Kw by waviness", unknown[-1]),
     )
     return [*wrong_by(problem, fit), *((word, float(one)) for word, one in moved if abs(one) > LOST)]
 

@@ -167,10 +167,8 @@ class Ride(Record):
 
     Parameters
     ----------
-    grid : ndarray, shape (g,)
-        Recorded pinion angles, less the instrument's delay [rad].
     angle : ndarray, shape (g,)
-        True ones [rad].
+        True pinion angles [rad].
     step : float
         Time step [s].
     swing : Swing
@@ -179,7 +177,6 @@ class Ride(Record):
         Makes rows of the record.
     """
 
-    grid: Array
     angle: Array
     step: float
     swing: Swing
@@ -207,7 +204,6 @@ def ride_of(record: Measurement, bench: Bench, settings: Settings) -> Ride:
     grid = axis[0] + step * np.arange(-before, math.ceil((axis[-1] - axis[0]) / step) + 2)
     angle = grid + settings.angle_offset
     return Ride(
-        grid=grid,
         angle=angle,
         step=step / speed,
         swing=bench.swing(angle, record.pinion_torque, speed, settings, record.kick),

@@ -14,6 +14,7 @@ from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.measurement import Measurement
 from gearfem.diagnosis.nuisances import BUILD, MOVING, Nuisance, moved_settings, nuisances_of
+from gearfem.diagnosis.pitch_point import WAYS
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.foundation import Array, Record
 from gearfem.variants import Variant
@@ -87,6 +88,16 @@ class Unknowns(Record):
     def forms(self) -> slice:
         """Places of the forms common to all teeth of either gear."""
         return slice(self.wrong.stop, self.wrong.stop + 2 * self.scatter.terms)
+
+    @property
+    def ways(self) -> slice:
+        """Places of the ways over which friction turns round."""
+        return slice(self.forms.stop, self.forms.stop + len(WAYS))
+
+    @property
+    def touch(self) -> int:
+        """Place of what the damper acts on; behind it stands only the rise of the largest Kw by waviness."""
+        return int(self.ways.stop)
 
     @property
     def held(self) -> NDArray[Any]:

@@ -182,7 +182,7 @@ def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     for variant, moved in zip(VARIANTS, fit.point.unknown[problem.unknowns.first_form :], strict=False):
         rows.append(_row(variant.name, f"error of the model: {variant.words}", float(moved), variant.value(float(moved)), variant.unit))
     if any(record.quantity.is_motion for record in problem.records):
-        touch = float(fit.point.unknown[-2])
+        touch = float(fit.point.unknown[problem.unknowns.touch])
         words = "share of the mesh damper that acts on the flanks that touch first, not by shares of load"
         rows.append(_row("damper_first_touch", words, touch, touch))
     if any(rise.any() for rise in problem.rise):

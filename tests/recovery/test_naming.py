@@ -314,7 +314,7 @@ def test_what_either_gear_may_have_is_fitted_once_and_left_open(found: Diagnosis
 
 
 def test_errors_of_the_model_too_large_to_be_any_are_told_and_common_forms_together() -> None:
-    unknowns = SimpleNamespace(wrong=slice(2, 8), forms=slice(8, 11), errors=VARIANTS)
+    unknowns = SimpleNamespace(wrong=slice(2, 8), forms=slice(8, 11), ways=slice(11, 13), touch=13, errors=VARIANTS)
     moved = np.array([9.0, 9.0, 0.0, -5.5, 4.9, 0.0, 0.0, 0.0, 6.0, -7.0, 5.0, 3.0, -6.0, 1.1, 8.0])
     problem, fit = SimpleNamespace(unknowns=unknowns), SimpleNamespace(point=SimpleNamespace(unknown=moved))
     told = misshapen(cast(Problem, problem), cast(Fit, fit))

@@ -36,15 +36,15 @@ def test_damper_on_the_first_touch_acts_as_the_equation_of_motion_says(small_pai
     drive = bench.system.drive
     mass1, mass2 = drive.pinion_inertia / base1**2, drive.wheel_inertia / base2**2
     mass = mass1 * mass2 / (mass1 + mass2)
-    time = (ride.grid - ride.grid[0]) / speed
-    unloaded = bench.predict(make_record("static_transmission_error", ride.grid, pinion_torque=0.01 * TORQUE), settings)
+    time = (ride.angle - ride.angle[0]) / speed
+    unloaded = bench.predict(make_record("static_transmission_error", ride.angle, pinion_torque=0.01 * TORQUE), settings)
     rate = np.gradient(unloaded, time)
 
     def along(t: float, y: np.ndarray) -> list[float]:
         force = ride.swing.damping * (np.interp(t, time, rate) - y[1]) - np.interp(t, time, ride.swing.stiffness) * y[0]
         return [y[1], force / mass]
 
-    there = time[0] + (record.axis - ride.grid[0]) / speed
+    there = time[0] + (record.axis - ride.angle[0]) / speed
     solved = solve_ivp(along, (0.0, float(time[-1])), [0.0, 0.0], t_eval=there, max_step=float(time[1]), rtol=1e-8, atol=1e-14)
     if quantity == "dynamic_transmission_error":
         expected = solved.y[0]
