@@ -11,8 +11,9 @@ from gearfem.foundation import Array, InputError, SolveError
 
 # Beginnings that are tried: lag and rate of `march_turns`.
 KICKS = ((0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (-3.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.0, 3.0), (0.0, -3.0))
-# How far off a motion is, in parts of what can be expected, before others are tried; and the part of what it leaves that one may leave.
-FAR, NEARER = 3.0, 0.5
+# How far off a motion is, in parts of what can be expected, before others are tried; and the part of what it leaves that one may:
+# half of its square. Where flanks part for some pitches only, the right beginning leaves more than half of it until the fit has followed.
+FAR, NEARER = 3.0, 0.7
 
 
 def nearest(record: Measurement, far: float, here: Array, left: Callable[[Measurement], Array]) -> Measurement:
@@ -32,7 +33,7 @@ def nearest(record: Measurement, far: float, here: Array, left: Callable[[Measur
     Notes
     -----
     Near resonances a pair with backlash has several steady motions under one load, with flanks in contact and apart, and of those that come
-    back after two or three pitches as many again. Another one than that from rest is taken only if it leaves half as much.
+    back after two or three pitches as many again. Another one than that from rest is taken only if it leaves half of the square.
     """
     if not record.quantity.is_motion or record.rms(here) < far:
         return record

@@ -6,14 +6,12 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import argrelmin
 
 from gearfem.diagnosis.bench import Bench, Settings
 from gearfem.diagnosis.measurement import Measurement
-from gearfem.foundation import Array
+from gearfem.diagnosis.mesh_lines import HARMONICS, mesh_lines
 
-HARMONICS = 6
 STEPS = 240
 GUESSES = 3
 
@@ -52,25 +50,3 @@ def guess_zero(records: tuple[Measurement, ...], bench: Bench, settings: Setting
     lowest = argrelmin(misfit, mode="wrap")[0]
     order = lowest[np.argsort(misfit[lowest])] if len(lowest) else np.array([int(np.argmin(misfit))])
     return [float(shifts[place]) for place in order[:GUESSES]]
-
-
-def mesh_lines(angle: Array, value: Array, pitch: float) -> NDArray[np.complex128]:
-    """Return the first complex lines of the mesh, the slow course of the shafts fitted beside them.
-
-    Parameters
-    ----------
-    angle, value : ndarray, shape (n,)
-        Angles [rad] and values of a record.
-    pitch : float
-        Angular pitch of the pinion [rad].
-
-    Returns
-    -------
-    ndarray of complex, shape (6,)
-    """
-    turns = max(1, int((angle[-1] - angle[0]) / pitch / 2.0))
-    slow = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, len(angle)), min(turns, 60))
-    waves = np.exp(2j * math.pi * np.outer(angle, np.arange(1, HARMONICS + 1)) / pitch)
-    columns = np.column_stack([waves.real, waves.imag, slow])
-    found = np.linalg.lstsq(columns, value, rcond=None)[0]
-    return np.asarray(found[:HARMONICS] - 1j * found[HARMONICS : 2 * HARMONICS])

@@ -15,8 +15,9 @@ from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.localise import localise
-from gearfem.diagnosis.magnitudes import refuse_magnitudes
+from gearfem.diagnosis.magnitudes import FIT, refuse_magnitudes, speed_misfits
 from gearfem.diagnosis.measurement import Measurement, make_record
+from gearfem.diagnosis.mesh_lines import mesh_lines
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.roles import Role
 from gearfem.diagnosis.smooth import fit_smooth
@@ -281,6 +282,16 @@ def test_a_speed_that_no_mesh_line_fits_is_refused() -> None:
     wrong = dataclasses.replace(right, records=(shaken(60.0, 60.0 * RPM),))
     with pytest.raises(InputError, match=r"pinion_speed_rpm.*given in rad/s"):
         refuse_magnitudes(wrong, SPRINGS)
+
+
+def test_lines_that_single_teeth_make_tell_nothing_of_a_speed() -> None:
+    """Far above resonance, where the mesh moves little: scatter that returns with each turn is no noise."""
+    record, turn = shaken(400.0, 400.0), PAIR.pinion.teeth * 90
+    scatter = np.resize(np.random.default_rng(2).normal(0.0, 3000.0, turn), record.value.size)
+    lines, made = (np.abs(mesh_lines(record.axis, value, PITCH)) for value in (record.value, scatter))
+    assert lines[0] > 5.0 * made[0]
+    assert made[4:].max() > 2.0 * lines[4:].max()
+    assert speed_misfits(dataclasses.replace(record, value=record.value + scatter), SPRINGS)["rpm"] < 0.5 * FIT
 
 
 @pytest.mark.parametrize("role", ["fit", "holdout"])
