@@ -80,6 +80,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
             why=f"closes the gap as well; its score is worse by {worse:.1f}",
             near=True,
             fit=fit,
+            p_values=(1.0,),
         )
         for fit, worse in zip(fits[1:], apart[1:], strict=True)
     )

@@ -107,7 +107,8 @@ class Proof(Record):
         On hold-out records: what nuisances alone, and the smooth correction, leave over what the named effects leave; each in parts of
         what can be expected, root mean square over the records. None without hold-out records or effects.
     over_fitted : float or None
-        The first of these on the records that were fitted; None without effects.
+        The first of these on the records that were fitted; None without effects, or without such a record over the angle: a handful of
+        numbers is met by nuisances as well, at values that are less likely.
     foretold : float or None
         What the first would be if the named effects were right: as far above 1 as these records can show them.
     stderr : float or None
@@ -259,7 +260,7 @@ def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, 
 
 def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     held, fitted = ([gap for gap in gaps if gap.role == role] for role in ("holdout", "fit"))
-    over_fitted = _over(fitted) if named and fitted else None
+    over_fitted = _over(fitted) if named and any(gap.measurement.quantity.axis == "angle" for gap in fitted) else None
     still = tuple(_wide(gap) for gap in gaps if gap.rms(gap.after) > WIDE * gap.floor_rms)
     words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named and not held else ()
     if not held or not named:

@@ -13,7 +13,8 @@ from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.diagnose import _opened
 from gearfem.diagnosis.held_out import as_held_out_leaves
 from gearfem.diagnosis.naming import Rival
-from gearfem.diagnosis.prove import Gap, _doubt, prove
+from gearfem.diagnosis.prove import Gap, _doubt, _judged, prove
+from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.profile_wear import ProfileWear
 from gearfem.foundation.progress import quiet
@@ -191,3 +192,13 @@ def test_a_right_name_surely_does_better_where_nobody_looked(found: Diagnosis) -
     assert found.proof.stderr is not None
     assert found.proof.over_nuisances is not None
     assert found.proof.over_nuisances - 2.0 * found.proof.stderr > 1.0
+
+
+def test_a_handful_of_numbers_withdraws_no_name(found: Diagnosis) -> None:
+    """Nuisances meet it as well, at values that are less likely: what is left of it says nothing."""
+    few = tuple(
+        dataclasses.replace(gap, measurement=dataclasses.replace(gap.measurement, quantity=QUANTITIES["dynamic_factor"]))
+        for gap in found.proof.of("fit")
+    )
+    assert _judged(few, True).over_fitted is None
+    assert _judged((*few, *found.proof.of("fit")), True).over_fitted is not None

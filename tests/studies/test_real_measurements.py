@@ -106,17 +106,17 @@ def test_campaign_of_the_rig_holds_its_one_number(study, tmp_path):
     assert (record.value.tolist(), record.pinion_torque) == ([1.2], 75.4)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("measured", "verdict"), [("1.2", "ambiguous"), ("1.39", "no_discrepancy")])
 def test_one_number_is_explained_in_several_ways_or_needs_none(study, tmp_path, measured, verdict):
     path = study.myga_campaign(tmp_path)
     table = path.with_name("kw.csv")
     table.write_text(table.read_text().replace(",1.2", f",{measured}"))
-    kinds = {name: catalogue()[name] for name in ("damping", "body_compliance", "friction")}
+    kinds = {name: catalogue()[name] for name in ("damping", "body_compliance", "friction", "sensor_gain")}
     found = diagnose(read_campaign(path), kinds)
     assert found.naming.verdict == verdict
+    assert len(found.naming.p_values) == len(found.naming.fit.effects)
     names = [[effect.name for effect in effects] for effects in (found.naming.fit.effects, *(one.effects for one in found.alternatives))]
     # More friction only adds to the factor here: it is no explanation.
-    assert sorted(names) == ([["body_compliance"], ["damping"]] if verdict == "ambiguous" else [[]])
+    assert sorted(names) == ([["body_compliance"], ["damping"], ["sensor_gain"]] if verdict == "ambiguous" else [[]])
     assert bool(found.suggestions) == (verdict == "ambiguous")
     assert 0.0 < next(row["value"] for row in nuisance_rows(found) if row["name"] == "kw_rise_scale") < 2.0
