@@ -97,7 +97,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
         alone, shifts = _by_turns(problem, level, found.settings, progress)
         begun = _begun(problem, alone)
         if any(one is not other for one, other in zip(begun, problem.records, strict=True)):
-            problem.records = begun
+            problem = _of_parts(problem, begun)
             alone, shifts = _by_turns(problem, level, found.settings, progress)
     else:
         met = tuned(problem, problem.prepare((), problem.unknowns.of(level)))
@@ -119,9 +119,19 @@ def _begun(problem: Problem, alone: Fit) -> tuple[Measurement, ...]:
         gap = one.value - bench.predict(one, alone.settings)
         return np.asarray(gap - gap[one.keep].mean() if one.quantity.free_constant else gap)
 
+    pitch = problem.campaign.setup.pair.pinion.pitch_angle
     expected = [noise.std * math.sqrt(floor) for noise, floor in zip(problem.noises, problem.floor, strict=True)]
     sized = zip(problem.records, expected, strict=True)
-    return tuple(nearest(one, FAR * size, left(one), left) if one.quantity.is_motion else one for one, size in sized)
+    return tuple(nearest(one, FAR * size, left(one), left, pitch) if one.quantity.is_motion else one for one, size in sized)
+
+
+def _of_parts(problem: Problem, records: tuple[Measurement, ...]) -> Problem:
+    """Return the problem of records begun otherwise, or of parts of them, whose noise is that of the whole."""
+    noises = tuple(
+        noise if len(one.axis) == len(other.axis) else noise.over(one)
+        for noise, one, other in zip(problem.noises, records, problem.records, strict=True)
+    )
+    return Problem(problem.campaign, records, noises, problem.unknowns.scatter, problem.make)
 
 
 def _by_turns(problem: Problem, level: Settings, late: Settings, progress: Progress) -> tuple[Fit, tuple[Shift, ...]]:

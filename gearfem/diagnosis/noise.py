@@ -71,6 +71,10 @@ class Noise(Record):
         """Standard deviation [SI unit]."""
         return math.sqrt(float(self.covariance[0]))
 
+    def over(self, record: Measurement) -> Noise:
+        """Return the noise of a record over other rows of the same instrument."""
+        return dataclasses.replace(self, whitener=make_whitener(self.covariance, record.keep))
+
     def limit(self, chance: float) -> float:
         """Return the limit of a whitened value that noise passes, on either side, with this chance: Student's, for few repeats."""
         return float(student.ppf(1.0 - 0.5 * chance, self.freedom))

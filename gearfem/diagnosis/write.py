@@ -223,6 +223,12 @@ def notes(diagnosis: Diagnosis) -> list[str]:
         for gap in diagnosis.proof.records
         if any(gap.measurement.kick)
     ]
+    whole = {record.file: record for record in diagnosis.campaign.records}
+    begun += [
+        f"{one.file}: lines {one.line[0]} to {one.line[-1]} are used: beyond them the motion goes over to another steady one"
+        for one in diagnosis.problem.records
+        if len(one.axis) < len(whole[one.file].axis)
+    ]
     left_out = sorted(set(catalogue()) - set(diagnosis.tried))
     limits = [f"Not tried, at the user's wish: {', '.join(left_out)}."] if left_out else []
     return [*limits, *remarks, *noise, *begun, *shifts]

@@ -25,7 +25,8 @@ from gearfem.model import load_model
 from gearfem.sensing import observe
 from tests.unit.shell import MODEL
 
-ANGLE = np.linspace(0.0, 4.0 * math.pi / 16.0, 97)
+PITCH = 2.0 * math.pi / 16.0
+ANGLE = np.linspace(0.0, 2.0 * PITCH, 97)
 # Below the resonance at 1584 rpm, damping a fifth of the model's: flanks stay in contact, or are apart for a third of the time.
 SPEED, TORQUE, DAMPING = 1450.0 * RPM, 1605.0, 0.02
 KICK = (-1.0, 0.0)
@@ -103,3 +104,40 @@ def test_slow_records_have_one_motion() -> None:
     record = make_record("static_transmission_error", ANGLE)
     far = np.full(ANGLE.size, 100.0)
     assert nearest(record, 1.0, far, lambda one: 0.0 * far) is record
+
+
+def motion_of(system: Any, kick: tuple[float, float]) -> Measurement:
+    """Return a record over sixteen pitches."""
+    empty = make_record("dynamic_transmission_error", PITCH * np.arange(384) / 24.0, pinion_torque=TORQUE, pinion_speed=SPEED, kick=kick)
+    return dataclasses.replace(empty, value=observe(system, empty.request()))
+
+
+@pytest.mark.parametrize(("jump", "kick"), [(290, (0.0, 0.0)), (110, KICK)])
+def test_a_record_that_shows_two_motions_is_cut_to_the_longer_part(lightly_damped, jump: int, kick: tuple[float, float]) -> None:
+    """Single teeth may lead from flanks in contact to flanks apart amid a record."""
+    system, rows = assemble(lightly_damped), np.arange(384)
+    from_rest, apart = (motion_of(system, begun) for begun in ((0.0, 0.0), KICK))
+    both = dataclasses.replace(from_rest, value=np.where(rows < jump, from_rest.value, apart.value), keep=rows != 200)
+
+    def left(one: Measurement) -> Array:
+        return left_of(one, system)[0]
+
+    assert nearest(both, 1e-6, left(both), left).axis.size == rows.size
+    found = nearest(both, 1e-6, left(both), left, PITCH)
+    first, last = (0, jump - 96) if kick == (0.0, 0.0) else (jump + 96, 383)
+    assert abs(found.line[0] - first) <= 1
+    assert abs(found.line[-1] - last) <= 2
+    for name in ("axis", "value", "keep"):
+        assert np.array_equal(getattr(found, name), getattr(both, name)[found.line])
+    assert found.rms(left(found)) < 0.05 * both.rms(left(both))
+
+
+def test_a_constant_that_jumps_is_no_other_motion(lightly_damped) -> None:
+    system = assemble(lightly_damped)
+    record = motion_of(system, KICK)
+    stepped = dataclasses.replace(record, value=record.value + 2e-5 * (np.arange(384) > 200))
+
+    def left(one: Measurement) -> Array:
+        return left_of(one, system)[0]
+
+    assert nearest(stepped, 1e-6, left(stepped), left, PITCH) is stepped
