@@ -82,11 +82,12 @@ def _longer_part(record: Measurement, tried: Mapping[Kick, Array], limit: float,
         return None
     at = record.axis[place + edge]
     before, behind = record.axis < at - TURNED * pitch, record.axis > at + TURNED * pitch
-    here, kick = (before, kicks[first]) if before.sum() > behind.sum() else (behind, kicks[second])
+    here, chosen = (before, first) if before.sum() > behind.sum() else (behind, second)
     if here.sum() < LONG * rows:
         return None
     own = {name: getattr(record, name)[here] for name in ("axis", "value", "line", "keep")}
-    return dataclasses.replace(record, kick=kick, **own)
+    # Of beginnings that lead to one motion the first one tells it.
+    return dataclasses.replace(record, kick=kicks[int(np.argmin(apart[chosen]))], **own)
 
 
 def _squares(series: Array, keep: NDArray[Any], free: bool) -> Array:

@@ -130,6 +130,7 @@ def test_a_record_that_shows_two_motions_is_cut_to_the_longer_part(lightly_dampe
     for name in ("axis", "value", "keep"):
         assert np.array_equal(getattr(found, name), getattr(both, name)[found.line])
     assert found.rms(left(found)) < 0.05 * both.rms(left(both))
+    assert any(found.kick) == any(kick)
 
 
 def test_a_constant_that_jumps_is_no_other_motion(lightly_damped) -> None:
