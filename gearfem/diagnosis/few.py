@@ -24,6 +24,8 @@ CHANCE = 0.01
 PROMISED = 0.5
 # Share of its strength at which an effect that ended as strong as can be must do, and of what it gains there that must be left.
 MODERATE, KEPT = 0.5, 0.5
+# Chance that a name has which a handful of numbers gives: they cannot decide.
+UNDECIDED = (1.0,)
 
 
 def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...], progress: Progress) -> Naming:
@@ -52,7 +54,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     named, and two of them are one too many to decide. Errors of our own model are no reason to call it none: so few numbers cannot tell
     them from effects.
     """
-    problem, alone, setup = search.problem, search.alone, search.problem.campaign.setup
+    problem, alone = search.problem, search.alone
     chance, with_errors = (float(chi2.sf(_square(problem, search, own), len(alone.white))) for own in (False, True))
     seen = (
         f"Nuisances alone leave {gaps(gap_left(alone, problem))}.",
@@ -61,13 +63,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     )
     if chance > CHANCE:
         return dataclasses.replace(naming, verdict="no_discrepancy", sentence=sentence_of("no_discrepancy", alone, 1.0), reasons=seen)
-    promising = [candidate for candidate in candidates if candidate.gain > PROMISED * alone.objective]
-    search.fit([((candidate.start(setup),), candidate.unknown) for candidate in promising], alone, progress, "single effects")
-    fits = [_moderate(problem, alone, fit) if fit.bound else fit for fit in search.fits.values() if fit.effects]
-    fits = [fit for fit in fits if not fit.bound and gap_left(fit, problem) < 1.0]
-    fits += [twin for fit in fits for twin in exchanged(fit)]
-    # All of them close it fully: what they cost decides, and then an instrument that is wrong comes last.
-    fits.sort(key=lambda fit: (round(search.score(fit), 1), fit.effects[0].stage == "sensing"))
+    fits = _closing(search, candidates, progress)
     reasons = (*seen, f"{len(fits)} effects close the gap alone; so few numbers cannot decide between them.")
     if len(fits) < 2:
         return dataclasses.replace(naming, verdict="unexplained", sentence=sentence_of("unexplained", alone, 0.0), reasons=reasons)
@@ -80,7 +76,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
             why=f"closes the gap as well; its score is worse by {worse:.1f}",
             near=True,
             fit=fit,
-            p_values=(1.0,),
+            p_values=UNDECIDED,
         )
         for fit, worse in zip(fits[1:], apart[1:], strict=True)
     )
@@ -90,13 +86,25 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
         verdict="ambiguous",
         fit=best,
         best=best,
-        p_values=(1.0,),
+        p_values=UNDECIDED,
         closed=closed,
         rivals=rivals,
         threshold=max(naming.threshold, apart[-1] + 1.0),
         sentence=sentence_of("ambiguous", best, closed),
         reasons=reasons,
     )
+
+
+def _closing(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> list[Fit]:
+    """Return the fits of single effects that close the gap, the one to name first."""
+    problem, alone, setup = search.problem, search.alone, search.problem.campaign.setup
+    promising = [candidate for candidate in candidates if candidate.gain > PROMISED * alone.objective]
+    search.fit([((candidate.start(setup),), candidate.unknown) for candidate in promising], alone, progress, "single effects")
+    fits = [_moderate(problem, alone, fit) if fit.bound else fit for fit in search.fits.values() if fit.effects]
+    fits = [fit for fit in fits if not fit.bound and gap_left(fit, problem) < 1.0]
+    fits += [twin for fit in fits for twin in exchanged(fit)]
+    # All of them close it fully: what they cost decides, and then an instrument that is wrong comes last.
+    return sorted(fits, key=lambda fit: (round(search.score(fit), 1), fit.effects[0].stage == "sensing"))
 
 
 def _moderate(problem: Problem, alone: Fit, fit: Fit) -> Fit:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from gearfem.diagnosis.bench import Bench, Oscillator, neutral
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.measurement import Measurement
-from gearfem.diagnosis.mesh_lines import HARMONICS, beside_lines, mesh_lines
+from gearfem.diagnosis.mesh_lines import HARMONICS, lines_and_beside, mesh_lines
 from gearfem.diagnosis.noise import measure_noise, roughness
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.foundation import Array, InputError
@@ -133,9 +133,9 @@ def speed_misfits(record: Measurement, bench: Bench) -> dict[str, float]:
         # A ripple above the mean torque: the slow gears would part, and the lines at speed are no image of theirs.
         return unknown
     oscillator = bench.oscillator(record.pinion_torque, settings)
-    measured = _lines(record, record.value, bench)
     noise = measure_noise(record, bench.pair).std * math.sqrt(2.0 / len(record.axis))
-    beside = beside_lines(record.axis[record.keep], record.value[record.keep], bench.pair.pinion.pitch_angle)
+    found, beside = lines_and_beside(record.axis[record.keep], record.value[record.keep], bench.pair.pinion.pitch_angle)
+    measured = np.abs(found)
     plain = (measured > PLAIN * noise) & (measured > ALONE * beside) & (lines > CRUMB * lines.max())
     if not plain.any():
         return unknown

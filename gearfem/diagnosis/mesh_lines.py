@@ -31,8 +31,8 @@ def mesh_lines(angle: Array, value: Array, pitch: float) -> NDArray[np.complex12
     return _fit(angle, value, pitch)[0]
 
 
-def beside_lines(angle: Array, value: Array, pitch: float) -> Array:
-    """Return what stands beside each line of the mesh: the root mean square of the amplitudes at the shaft's next orders.
+def lines_and_beside(angle: Array, value: Array, pitch: float) -> tuple[NDArray[np.complex128], Array]:
+    """Return the lines of the mesh, and what stands beside each: the root mean square of the amplitudes at the shaft's next orders.
 
     Parameters
     ----------
@@ -41,15 +41,15 @@ def beside_lines(angle: Array, value: Array, pitch: float) -> Array:
 
     Returns
     -------
-    ndarray, shape (6,)
+    ndarray of complex, ndarray, shape (6,)
         In the value's unit. Deviations of single teeth spread over all orders alike, so that they put as much into the line itself.
     """
-    rest = _fit(angle, value, pitch)[1]
+    found, rest = _fit(angle, value, pitch)
     order = max(1.0, 2.0 * math.pi / float(angle[-1] - angle[0]))
     lines = 2.0 * math.pi / pitch * np.arange(1.0, HARMONICS + 1.0)
     orders = lines[:, None] + order * np.concatenate([np.negative(BESIDE), BESIDE])
     amplitudes = 2.0 / len(angle) * np.abs(np.exp(-1j * orders[:, :, None] * angle) @ rest)
-    return np.asarray(np.sqrt((amplitudes**2).mean(axis=1)))
+    return found, np.asarray(np.sqrt((amplitudes**2).mean(axis=1)))
 
 
 def _fit(angle: Array, value: Array, pitch: float) -> tuple[NDArray[np.complex128], Array]:
