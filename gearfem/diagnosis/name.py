@@ -6,7 +6,7 @@ import contextlib
 import copy
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from gearfem.diagnosis.hammering import left_open, untold
 from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.pitch_point import turns_round
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Label, Search, label, near_by, simplicity
+from gearfem.diagnosis.search import FURTHER_LEAST, FURTHER_OTHER, Label, Search, label, simplicity
 from gearfem.diagnosis.select import select
 from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.suspects import turning
@@ -171,34 +171,17 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
     near = [rival for rival in naming.rivals if rival.near]
     if naming.verdict != "ambiguous" or not near or not any(turns_round(record) for record in problem.records):
         return naming
-    rows = row_by_row(problem, mean.known)
-    own = naming.named
-    threshold = max(naming.threshold, BY_ROWS)
-
-    def cost(one: Rival, hopeless: float = math.inf) -> float:
-        """Return the score beside the others once rows count, from nuisances as the model has them too unless they stay near."""
-        start, attained = rows.unknowns.of(one.fit.settings), math.inf
-        for unknown in (start, rows.unknowns.neutral(start)):
-            with contextlib.suppress(InputError, SolveError):
-                found = again(copy.copy(rows), one.effects, unknown, hopeless=hopeless - one.score_difference)
-                attained = min(attained, found.objective)
-                if near_by(rows, found):
-                    break
-        return one.score_difference + attained
-
-    progress("rivals row by row", 0, 1 + len(near))
-    first = cost(own)
-    apart = {label(one.effects): one for one in near if label(one.effects) != label(own.effects)}
-    others = counted(lambda one: cost(one, first + threshold), list(apart.values()), progress, "rivals row by row")
-    found = {label(own.effects): first, **dict(zip(apart, others, strict=True))}
-    costs = {one: found[label(one.effects)] for one in (own, *near)}
-    least = min(costs.values())
+    explanations = list({label(one.effects): one for one in (*near, naming.named)}.values())
+    found = _beside_rows(row_by_row(problem, mean.known), explanations, progress)
+    costs = {one: cost for one, (cost, _) in zip(explanations, found, strict=True)}
+    threshold, least = max(naming.threshold, BY_ROWS), min(costs.values())
     if not math.isfinite(least):
         return naming
-    close = [one for one in costs if costs[one] < least + threshold]
+    enough = {one: threshold + doubt for one, (_, doubt) in zip(explanations, found, strict=True)}
+    close = [one for one in costs if costs[one] < least + enough[one]]
     best = min(close, key=lambda one: (simplicity(one.effects), costs[one]))
     rivals = tuple(
-        dataclasses.replace(one, score_difference=cost - costs[best], why=_beside(cost - costs[best], threshold), near=one in close)
+        dataclasses.replace(one, score_difference=cost - costs[best], why=_beside(cost - costs[best], enough[one]), near=one in close)
         for one, cost in sorted(costs.items(), key=lambda item: item[1])
         if one is not best
     )
@@ -218,10 +201,38 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
     )
 
 
-def _beside(worse: float, threshold: float) -> str:
+def _beside_rows(rows: Problem, explanations: Sequence[Rival], progress: Progress) -> list[tuple[float, float]]:
+    """Return the scores of explanations with what they leave of slow records row by row, and the doubt about each.
+
+    A fit of rows ends by where it begins, some forty apart: all begin where their means stand, with nuisances as the model has them, and
+    where the best one ends. By as much as the two lowest ends of one explanation differ it may lead lower from elsewhere.
+    """
+    ends: list[list[Fit]] = [[] for _ in explanations]
+
+    def fitted(job: tuple[int, Array]) -> Fit | None:
+        number, unknown = job
+        with contextlib.suppress(InputError, SolveError):
+            return again(copy.copy(rows), explanations[number].effects, unknown)
+        return None
+
+    def begin(jobs: list[tuple[int, Array]]) -> list[list[float]]:
+        for (number, _), end in zip(jobs, counted(fitted, jobs, progress, "rivals row by row"), strict=True):
+            ends[number] += [] if end is None else [end]
+            ends[number].sort(key=lambda end: end.objective)
+        return [[one.score_difference + end.objective for end in its] for one, its in zip(explanations, ends, strict=True)]
+
+    starts = [rows.unknowns.of(one.fit.settings) for one in explanations]
+    scores = begin([(number, unknown) for number, start in enumerate(starts) for unknown in (start, rows.unknowns.neutral(start))])
+    best = min(range(len(scores)), key=lambda number: min(scores[number], default=math.inf))
+    if ends[best]:
+        scores = begin([(number, ends[best][0].point.stood) for number in range(len(scores)) if number != best])
+    return [(its[0] if its else math.inf, its[1] - its[0] if len(its) > 1 else 0.0) for its in scores]
+
+
+def _beside(worse: float, enough: float) -> str:
     """Return why an explanation lost, or did not, once slow records count row by row."""
-    if worse < threshold:
-        return f"cannot be told apart: with slow records row by row its score differs by {worse:+.1f}, less than {threshold:.1f}"
+    if worse < enough:
+        return f"cannot be told apart: with slow records row by row its score differs by {worse:+.1f}, less than {enough:.1f}"
     return f"leaves more of slow records row by row: score worse by {worse:.1f}"
 
 

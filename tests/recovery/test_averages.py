@@ -37,7 +37,7 @@ from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.gap import gap_left
-from gearfem.diagnosis.name import _by_rows, _joined, _of_means, _told_apart, _verdict
+from gearfem.diagnosis.name import _beside_rows, _by_rows, _joined, _of_means, _told_apart, _verdict
 from gearfem.diagnosis.naming import Naming, Rival, Verdict
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import Problem
@@ -318,6 +318,30 @@ def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaig
     assert not lost.near
     assert lost.score_difference > 100.0
     assert _told_apart(problem, mean, dataclasses.replace(naming, verdict="explained"), quiet).fit is wrong
+
+
+def test_by_rows_no_explanation_is_better_by_where_its_fit_began(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Places are numbers here: 0 is where the model has all nuisances, and the wheel leaves least from where the pinion ends."""
+    module = sys.modules[name.__module__]
+    leaves = {("pinion", 1.0): 120.0, ("pinion", 0.0): 150.0, ("wheel", 2.0): 250.0, ("wheel", 0.0): 130.0, ("wheel", 3.0): 104.0}
+
+    def fitted(rows: object, effects: tuple[TipRelief, ...], place: float) -> SimpleNamespace:
+        (effect,) = effects
+        return SimpleNamespace(effects=effects, objective=leaves[effect.gear, place], point=SimpleNamespace(stood=3.0 if place else 4.0))
+
+    monkeypatch.setattr(module, "again", fitted)
+    rows = cast(Problem, SimpleNamespace(unknowns=SimpleNamespace(of=lambda settings: settings, neutral=lambda place: 0.0)))
+    pinion, wheel = (
+        Rival(
+            effects=(TipRelief(gear=gear, amount=14.0 * UM, length=2.5 * MM),),
+            score_difference=worse,
+            why="",
+            near=True,
+            fit=cast(Fit, SimpleNamespace(settings=place)),
+        )
+        for gear, worse, place in (("pinion", 0.0, 1.0), ("wheel", 5.0, 2.0))
+    )
+    assert _beside_rows(rows, [pinion, wheel], quiet) == [(120.0, 30.0), (109.0, 26.0)]
 
 
 def test_a_relief_that_means_do_not_name_is_named_row_by_row(tmp_path: Path) -> None:
