@@ -21,6 +21,8 @@ from gearfem.foundation.units import UM
 
 # Ring-down to a thousandth before the record begins, at most so many turns of the pinion; steps in parts of 1/omega.
 RING_DOWN, LONGEST_LEAD, STEP = math.log(1e3), 4.0, 0.15
+# Response, in parts of the errors or their rates over omega, that no resonance reaches: about a motion that is not stable it has no end.
+GROWN = 1e4
 # Teeth whose response is followed at once.
 TOGETHER = 16
 
@@ -183,9 +185,15 @@ class Ride(Record):
     between: Any
 
     def rows(self, errors: Array, rates: Array, record: Measurement, bench: Bench) -> Array:
-        """Return what small errors of the flanks do to the record, read: errors [m] and rates [m/s] shape (g, k), see `respond`."""
+        """Return what small errors of the flanks do to the record, read: errors [m] and rates [m/s] shape (g, k), see `respond`.
+
+        Nothing where the motion is not stable: flanks that part and meet bound what then grows, so that no small error foretells it.
+        """
         acceleration = record.quantity.name == "pinion_angular_acceleration"
         moving = respond(errors, rates, self.swing, self.step, acceleration)
+        most = GROWN * max(np.abs(errors).max(), np.abs(rates).max() * self.step)
+        if not np.abs(moving).max() <= most / (bench.pair.pinion.base_radius * self.step**2 if acceleration else 1.0):
+            moving = np.zeros_like(moving)
         return np.asarray(self.between @ bench.read(moving, self.step))
 
 

@@ -13,7 +13,7 @@ from gearfem.definition.setup import Setup
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.measurement import make_record
 from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import Scatter, tooth_columns
+from gearfem.diagnosis.teeth import Scatter, ride_of, tooth_columns
 from gearfem.effects.sensor_gain import SensorGain
 from gearfem.foundation import Array
 from gearfem.foundation.units import UM
@@ -56,3 +56,20 @@ def test_waviness_counts_as_it_is_read(small_pair: Setup) -> None:
     index = np.arange(plain.shape[1]) % 4 == 0
     assert gained[:, index] == pytest.approx(1.25 * 1.1 * plain[:, index], rel=1e-12, abs=0.0)
     assert np.array_equal(gained[:, ~index], plain[:, ~index])
+
+
+@pytest.mark.parametrize("quantity", ["dynamic_transmission_error", "pinion_angular_acceleration"])
+def test_about_a_motion_that_is_not_stable_no_small_error_foretells_anything(small_pair: Setup, quantity: str) -> None:
+    """A stiffness that swings at twice the natural frequency: by less than the damping takes, or by more, so that all response grows."""
+    bench, start = SystemBench(system=assemble(small_pair), errors=()), neutral(small_pair.pair)
+    natural = bench.oscillator(TORQUE, start).frequency
+    speed = 0.8 * natural / small_pair.pair.pinion.teeth
+    record = make_record(quantity, np.arange(1800) / 1800 * TURN, pinion_torque=TORQUE, pinion_speed=speed)
+    ride = ride_of(record, bench, start)
+    wave = np.sin(2.0 * natural * (ride.angle - ride.angle[0]) / speed)
+    steady, growing = (
+        dataclasses.replace(ride, swing=dataclasses.replace(ride.swing, stiffness=ride.swing.stiffness.mean() * (1.0 + depth * wave)))
+        for depth in (0.1, 0.9)
+    )
+    assert tooth_columns(record, bench, start, Scatter(terms=1), steady).any()
+    assert not tooth_columns(record, bench, start, Scatter(terms=1), growing).any()
