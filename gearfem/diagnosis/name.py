@@ -172,7 +172,7 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
     if naming.verdict != "ambiguous" or not near or not any(turns_round(record) for record in problem.records):
         return naming
     explanations = list({label(one.effects): one for one in (*near, naming.named)}.values())
-    found = _beside_rows(row_by_row(problem, mean.known), explanations, progress)
+    found = _scores_by_rows(row_by_row(problem, mean.known), explanations, progress)
     costs = {one: cost for one, (cost, _) in zip(explanations, found, strict=True)}
     threshold, least = max(naming.threshold, BY_ROWS), min(costs.values())
     if not math.isfinite(least):
@@ -201,7 +201,7 @@ def _told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progr
     )
 
 
-def _beside_rows(rows: Problem, explanations: Sequence[Rival], progress: Progress) -> list[tuple[float, float]]:
+def _scores_by_rows(rows: Problem, explanations: Sequence[Rival], progress: Progress) -> list[tuple[float, float]]:
     """Return the scores of explanations with what they leave of slow records row by row, and the doubt about each.
 
     A fit of rows ends by where it begins, some forty apart: all begin where their means stand, with nuisances as the model has them, and

@@ -21,7 +21,7 @@ from gearfem.foundation.units import UM
 
 # Ring-down to a thousandth before the record begins, at most so many turns of the pinion; steps in parts of 1/omega.
 RING_DOWN, LONGEST_LEAD, STEP = math.log(1e3), 4.0, 0.15
-# Response, in parts of the errors or their rates over omega, that no resonance reaches: about a motion that is not stable it has no end.
+# Response, in parts of the errors or of what they change by in a step, that no resonance reaches: about an unstable motion it has no end.
 GROWN = 1e4
 # Teeth whose response is followed at once.
 TOGETHER = 16

@@ -37,7 +37,7 @@ from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.gap import gap_left
-from gearfem.diagnosis.name import _beside_rows, _by_rows, _joined, _of_means, _told_apart, _verdict
+from gearfem.diagnosis.name import _by_rows, _joined, _of_means, _scores_by_rows, _told_apart, _verdict
 from gearfem.diagnosis.naming import Naming, Rival, Verdict
 from gearfem.diagnosis.noise import measure_noise
 from gearfem.diagnosis.problem import Problem
@@ -341,7 +341,7 @@ def test_by_rows_no_explanation_is_better_by_where_its_fit_began(monkeypatch: py
         )
         for gear, worse, place in (("pinion", 0.0, 1.0), ("wheel", 5.0, 2.0))
     )
-    assert _beside_rows(rows, [pinion, wheel], quiet) == [(120.0, 30.0), (109.0, 26.0)]
+    assert _scores_by_rows(rows, [pinion, wheel], quiet) == [(120.0, 30.0), (109.0, 26.0)]
 
 
 def test_a_relief_that_means_do_not_name_is_named_row_by_row(tmp_path: Path) -> None:
