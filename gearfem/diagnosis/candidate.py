@@ -110,17 +110,21 @@ def scored(effect: Effect, signature: Array, freed: Freed, setup: Setup, unknown
     """Return a candidate with its gain against what is left, each strength scaled on its own."""
     gram, pulls = freed(signature[:, None])
     square, pull = max(float(gram[0, 0]), 1e-300), float(pulls[0])
-    known = next((effect.parameters()[field] for field in effect.strengths()), None)
-    signed = known is not None and known.bounds(setup, effect.member)[0] < known.at_rest(setup, effect.member)
     return Candidate(
         effect=effect,
-        gain=pull**2 / square if pull > 0.0 or signed else 0.0,
+        gain=pull**2 / square if pull > 0.0 or signed(effect, setup) else 0.0,
         amplitude=pull / square,
         signature=signature,
         visible=math.sqrt(square),
         share=math.sqrt(square / float(signature @ signature)),
         unknown=unknown,
     )
+
+
+def signed(effect: Effect, setup: Setup) -> bool:
+    """Return whether the strength of an effect may lie on either side of none."""
+    known = next((effect.parameters()[field] for field in effect.strengths()), None)
+    return known is not None and known.bounds(setup, effect.member)[0] < known.at_rest(setup, effect.member)
 
 
 def together(problem: Problem, base: Fit, candidates: Iterable[Candidate]) -> float:

@@ -42,8 +42,10 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     right, are no explanation, and the verdict is that without any. Where nuisances do the work of an effect they foretell other records too
     (index errors of all teeth, say, are as good as a runout), and names must surely be by far worse before they are none; or leave open
     what nuisances surely foretell better. Names that do not surely beat nuisances must not be beaten by a smooth correction, which knows no
-    physics. A gap that stays open is not explained. Names that lower what a fit costs, row by row as if all were linear, and yet leave
-    more of the fitted records are none either: motions whose flanks hammer may take another way for next to nothing.
+    physics. What turns with a shaft must surely beat nuisances, and not be beaten by that, where nuisances leave no gap without it: index
+    errors hold its waves, and waves of anything else. A gap that stays open is not explained. Names that lower what a fit costs, row by row
+    as if all were linear, and yet leave more of the fitted records are none either: motions whose flanks hammer may take another way for
+    next to nothing.
     """
     if naming.fit.effects and proof.over_fitted is not None and proof.over_fitted < UNMET:
         return _withdrawn(naming, naming.without if sound else "unexplained", "more", records="the records that were fitted")
@@ -52,14 +54,16 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     if naming.fit.effects and over is not None:
         surely = over + doubt < 1.0
         worse = over < (WORSE if sound else FAR_WORSE) and surely
-        missed = sound and over - doubt < 1.0 < foretold - doubt
+        shown, better = foretold - doubt > 1.0, over - doubt >= 1.0
+        missed = sound and shown and not better
         if worse or missed:
             return _withdrawn(naming, naming.without if sound else "unexplained", "more" if worse else "not surely less")
+        if shown and _turning(naming) and not (better and (proof.over_smooth or 1.0) >= 1.0):
+            return _withdrawn(naming, naming.without, "not surely less", _smooth(proof))
         if far and over < WORSE and surely and naming.verdict != "ambiguous":
             return _withdrawn(naming, "unexplained", "more")
-        if over - doubt < 1.0 and (proof.over_smooth or 1.0) < SMOOTHER:
-            smooth = f" A free smooth correction leaves {proof.over_smooth:.2f} times as much."
-            return _withdrawn(naming, "unexplained", "not surely less", smooth)
+        if not better and (proof.over_smooth or 1.0) < SMOOTHER:
+            return _withdrawn(naming, "unexplained", "not surely less", _smooth(proof))
     wide = [gap for gap in proof.of("holdout") if gap not in far and gap.rms(gap.after) > OPEN * gap.floor_rms]
     if naming.fit.effects and wide:
         reason = f"Records held out ({_files(wide)}) are foretold no better than the parameters are known."
@@ -74,6 +78,16 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
 def _files(gaps: Sequence[Gap]) -> str:
     """Return the files of records in words."""
     return ", ".join(gap.measurement.file for gap in gaps)
+
+
+def _turning(naming: Naming) -> bool:
+    """Return whether all that is named turns with the gears and nuisances alone leave no gap."""
+    return naming.gapless and all(effect.repeats == "once a turn" for effect in naming.fit.effects)
+
+
+def _smooth(proof: Proof) -> str:
+    """Return in words what a smooth correction leaves."""
+    return "" if proof.over_smooth is None else f" A free smooth correction leaves {proof.over_smooth:.2f} times as much."
 
 
 def _withdrawn(naming: Naming, verdict: Verdict, words: str, rest: str = "", records: str = "records held out") -> Naming:

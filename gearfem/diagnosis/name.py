@@ -312,6 +312,7 @@ def _one(first: Naming, second: Naming, alone: Fit, fit: Fit, *words: str) -> Na
         p_values=tuple(chance for one in named for chance in one.p_values),
         without=_verdict(first.without, second.without, second.left),
         gains=first.gains or second.gains,
+        gapless=all(one.gapless for one in named or (first, second)),
         closed=closed,
         left=max(first.left, second.left),
         rivals=tuple(sorted(rivals, key=lambda rival: rival.score_difference)),

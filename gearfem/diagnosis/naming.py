@@ -62,8 +62,8 @@ class Naming(Record):
         Of each named effect: chance that noise and our own errors do as much, times the effects, gears and teeth tried.
     without : str
         Verdict if nothing were named.
-    gains : bool
-        Whether the best explanation gains what a name must.
+    gains, gapless : bool
+        Whether the best explanation gains what a name must; whether nuisances alone leave no gap, but for what some healthy pairs do.
     closed, left : float
         Share of the gap that the best explanation closes, and what it leaves, in gaps.
     rivals : tuple of Rival
@@ -85,6 +85,7 @@ class Naming(Record):
     p_values: tuple[float, ...]
     without: Verdict
     gains: bool
+    gapless: bool
     closed: float
     left: float
     rivals: tuple[Rival, ...]

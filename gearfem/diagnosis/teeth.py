@@ -7,7 +7,7 @@ import functools
 import math
 from collections.abc import Mapping
 from types import ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -25,6 +25,13 @@ RING_DOWN, LONGEST_LEAD, STEP = math.log(1e3), 4.0, 0.15
 GROWN = 1e4
 # Teeth whose response is followed at once.
 TOGETHER = 16
+
+
+class Forms(Protocol):
+    """Forms of a flank over the path of contact."""
+
+    def __call__(self, path: Array, *, derivative: int = 0) -> Array:
+        """Return s forms on the path of contact [m], or their slopes over the pinion angle; shape (..., s)."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -99,15 +106,11 @@ def tooth_columns(record: Measurement, bench: Bench, settings: Settings, scatter
     Slow transmission error: the weight of each pair times the polynomial where it touches. At speed the motion is linearised about
     itself, with the weights and the stiffness that its forces give the teeth, see `respond`. Of the largest Kw of a turn see `at_peaks`.
     """
-    name, pair, gain = record.quantity.name, bench.pair, settings.gain * bench.gain
-    if name == "static_transmission_error":
-        angle = record.axis + settings.angle_offset
-        weights = bench.weights(angle, record.pinion_torque, settings)
-        shapes = _shapes(weights, angle, pair, scatter.terms)
-        return _as_read(_slow(weights, shapes, scatter.counts(pair), range(sum(scatter.counts(pair)))), gain, scatter)
-    if record.quantity.is_motion:
-        return _as_read(_at_speed(record, bench, ride or ride_of(record, bench, settings), scatter), gain, scatter)
-    counts = scatter.counts(pair)
+    name, pair, counts = record.quantity.name, bench.pair, scatter.counts(bench.pair)
+    way = ride or way_of(record, bench, settings)
+    if way is not None:
+        forms = functools.partial(_polynomials, pair=pair, terms=scatter.terms)
+        return _as_read(felt(record, bench, way, forms, counts, range(sum(counts))), settings.gain * bench.gain, scatter)
     out = np.zeros((len(record.axis), sum(counts), scatter.terms + 1))
     first = counts[0] if record.gear == "wheel" else 0
     if name == "flank_profile":
@@ -150,17 +153,24 @@ def _path_of_roll(record: Measurement, pair: GearPair) -> Array:
     return sign * (record.axis - gear.base_radius * math.tan(pair.working_pressure_angle))
 
 
-def _slow(weights: Weights, shapes: Array, counts: tuple[int, int], teeth: range) -> Array:
+def _spread(weights: Weights, shapes: Array, counts: tuple[int, int], teeth: range) -> Array:
     """Return the weights of some teeth, of so many of either gear, times the shapes (n, p, s) of all pairs; shape (n, t s)."""
     out = np.zeros((len(shapes), len(teeth), shapes.shape[2]))
     _kernels().spread(weights.pairs, weights.pinion, weights.wheel, shapes, *counts, teeth.start, out)
     return out.reshape(len(shapes), -1)
 
 
-def _shapes(weights: Weights, angle: Array, pair: GearPair, terms: int, derivative: int = 0) -> Array:
-    """Return the polynomials where the pairs touch, or their slopes over the pinion angle; shape (n, p, terms + 1)."""
-    path = (angle[:, None] / pair.pinion.pitch_angle - weights.pairs) * pair.base_pitch
-    return _polynomials(path, pair, terms, derivative)
+def _path(weights: Weights, angle: Array, pair: GearPair) -> Array:
+    """Return where the pairs touch on the path of contact [m], 0 at the pitch point; shape (n, p)."""
+    return np.asarray((angle[:, None] / pair.pinion.pitch_angle - weights.pairs) * pair.base_pitch)
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Touch(Record):
+    """How single teeth weigh in a slow record: their weights (n, p) at the true pinion angles of its rows, (n,) [rad]."""
+
+    angle: Array
+    weights: Weights
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -219,15 +229,46 @@ def ride_of(record: Measurement, bench: Bench, settings: Settings) -> Ride:
     )
 
 
-def _at_speed(record: Measurement, bench: Bench, ride: Ride, scatter: Scatter) -> Array:
-    swing = ride.swing
-    shapes, slopes = (_shapes(swing.weights, ride.angle, bench.pair, scatter.terms, derivative) for derivative in (0, 1))
-    counts, out = scatter.counts(bench.pair), []
+def way_of(record: Measurement, bench: Bench, settings: Settings) -> Touch | Ride | None:
+    """Return the way in which a record over the pinion angle feels single teeth to first order; None for all others."""
+    if record.quantity.name == "static_transmission_error":
+        angle = record.axis + settings.angle_offset
+        return Touch(angle=angle, weights=bench.weights(angle, record.pinion_torque, settings))
+    return ride_of(record, bench, settings) if record.quantity.is_motion else None
+
+
+def felt(record: Measurement, bench: Bench, way: Touch | Ride, forms: Forms, counts: tuple[int, int], teeth: range) -> Array:
+    """Return what small errors of single flanks do to a record.
+
+    Parameters
+    ----------
+    record, bench : Measurement, Bench
+        A record and the model.
+    way : Touch or Ride
+        From `way_of`.
+    forms : callable
+        Errors of a flank [m], positive where it touches late, on the path of contact; see `Forms`.
+    counts : tuple of int
+        Teeth of either gear.
+    teeth : range
+        Those wanted, the pinion's first.
+
+    Returns
+    -------
+    ndarray, shape (n, len(teeth) s)
+        Tooth by tooth, the gain of the instrument not counted.
+    """
+    if isinstance(way, Touch):
+        path = _path(way.weights, way.angle, bench.pair)
+        return _spread(way.weights, forms(path), counts, teeth)
+    swing, out = way.swing, []
+    path = _path(swing.weights, way.angle, bench.pair)
+    shapes, slopes = forms(path), forms(path, derivative=1)
     # A few teeth at a time: what they do at all steps then stays near the processor.
-    for first in range(0, sum(counts), TOGETHER):
-        group = range(first, min(first + TOGETHER, sum(counts)))
-        errors, rates = _slow(swing.weights, shapes, counts, group), _slow(swing.shares, slopes, counts, group)
-        out.append(ride.rows(errors, record.pinion_speed * rates, record, bench))
+    for first in range(teeth.start, teeth.stop, TOGETHER):
+        group = range(first, min(first + TOGETHER, teeth.stop))
+        errors, rates = _spread(swing.weights, shapes, counts, group), _spread(swing.shares, slopes, counts, group)
+        out.append(way.rows(errors, record.pinion_speed * rates, record, bench))
     return np.concatenate(out, axis=1)
 
 

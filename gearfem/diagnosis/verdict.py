@@ -80,7 +80,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         best = min([best, *close], key=lambda fit: (simplicity(fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
-    hidden = bool(named.effects) and level < OPEN
+    gapless = level < OPEN
     others = {fit: scores[fit] - scores[named] for fit in sorted(scores, key=scores.__getitem__) if fit.effects and fit is not named}
     return Naming(
         verdict=verdict,
@@ -90,6 +90,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
         without=without,
         gains=gains,
+        gapless=gapless,
         closed=closed,
         left=remains,
         rivals=tuple(_rival(search, fit, named, worse, limit(fit), barred.get(fit, "")) for fit, worse in others.items()),
@@ -99,7 +100,11 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search, best.effects):.0f}.",
             f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(remains)}.",
-            *(["It is named all the same: nuisances leave as little only with values that are by so much less likely."] if hidden else ()),
+            *(
+                ["It is named all the same: nuisances leave as little only with values that are by so much less likely."]
+                if named.effects and level < OPEN
+                else ()
+            ),
             *(
                 f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
                 for words, moved in suspects

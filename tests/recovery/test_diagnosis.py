@@ -17,7 +17,6 @@ from click.testing import CliRunner
 
 from gearfem.assembly import assemble
 from gearfem.cli import main
-from gearfem.definition.setup import Member
 from gearfem.diagnosis import (
     Diagnosis,
     choose,
@@ -32,8 +31,8 @@ from gearfem.diagnosis import (
     standing_out,
     write_diagnosis,
 )
-from gearfem.diagnosis.fit import Fit, jacobian
-from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.fit import jacobian
+from gearfem.diagnosis.one_flank import likeliest_flanks
 from gearfem.diagnosis.rank import lowest
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.updated import write_updated
@@ -42,6 +41,7 @@ from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.root_crack import RootCrack
 from gearfem.effects.runout import Runout
 from gearfem.effects.tip_relief import TipRelief
 from gearfem.foundation import InputError
@@ -51,7 +51,7 @@ from gearfem.model import load_model, make_setup
 from gearfem.report import write_diagnosis_report
 from gearfem.rig import measure, read_plan
 from gearfem.sensing import observe
-from tests.recovery.rig import NOMINAL, PLAN, TORQUES, on_the_rig, runout_off_the_rig
+from tests.recovery.rig import NOMINAL, PLAN, TORQUES, beside_nuisances, on_the_rig, runout_off_the_rig
 
 
 @pytest.mark.parametrize(("eccentricity", "named"), [(25.0, ["runout"]), (0.0, [])])
@@ -216,18 +216,17 @@ def test_a_scan_is_fitted_from_its_pits_alone() -> None:
     assert lowest([1.0, 2.0, np.inf, 7.0, np.inf]) == [0, 3]
 
 
-def test_places_at_which_a_shape_cannot_be_computed_are_left_out(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
-    over = likely_teeth._over_a_turn
-
-    def refuse(problem: Problem, base: Fit, effects: tuple[Effect, ...], member: Member) -> list[Any]:
-        if any(isinstance(effect, Pitting) for effect in effects):
-            raise InputError("depth1", "-1", "0 or more")
-        return over(problem, base, effects, member)
+@pytest.mark.parametrize(("kind", "owner", "step"), [(Pitting, Pitting, "act"), (RootCrack, likely_teeth, "_over_a_turn")])
+def test_shapes_that_cannot_be_computed_explain_nothing(
+    found: Diagnosis, monkeypatch: pytest.MonkeyPatch, kind: type[Effect], owner: Any, step: str
+) -> None:
+    def refuse(*_: Any) -> Any:
+        raise InputError("depth1", "-1", "0 or more")
 
     monkeypatch.setattr(standing_out, "STANDS_OUT", 0.0)
-    assert likely_teeth.starts_of(found.problem, found.naming.alone, Pitting, "pinion")
-    monkeypatch.setattr(likely_teeth, "_over_a_turn", refuse)
-    assert likely_teeth.starts_of(found.problem, found.naming.alone, Pitting, "pinion") == []
+    assert likely_teeth.starts_of(found.problem, found.naming.alone, kind, "pinion")
+    monkeypatch.setattr(owner, step, refuse)
+    assert likely_teeth.starts_of(found.problem, found.naming.alone, kind, "pinion") == []
 
 
 def test_records_that_agree_end_before_the_search(tmp_path: Path) -> None:
@@ -285,6 +284,25 @@ def test_a_record_of_unknown_first_tooth_is_turned_until_it_fits(tmp_path: Path)
     # The file knows the tooth that was found.
     cold = observe(assemble(load_model(write_updated(campaign, mine, proof, tmp_path / "updated.toml"))), held.measurement.request())
     np.testing.assert_allclose(held.measurement.value - cold, held.after, rtol=0.0, atol=1e-6 * UM)
+
+
+def test_a_shallow_pit_stands_out_amid_the_scatter_of_teeth_under_light_loads(tmp_path: Path) -> None:
+    """Errors of single teeth decide which pair bears: no tooth feels it as it would amid even ones."""
+    setup = make_setup(NOMINAL)
+    low, high = Pitting.parameters()["centre"].bounds(setup, "wheel")
+    centre = low + 0.55 * (high - low)
+    hidden = {"name": "pitting", "gear": "wheel", "tooth": 4, "depth_um": 2.0, "centre_mm": centre / MM, "width_mm": 3.0}
+    records = [
+        PLAN["record"][0] | {"file": f"te_{torque:g}Nm.csv", "pinion_torque_Nm": torque, "turns": 5.2} for torque in (2.0, 6.0, 12.0)
+    ]
+    view = beside_nuisances(tmp_path, [hidden], records)
+    gains, pits = zip(*likeliest_flanks(view.problem, view.base, Pitting.example(setup, "wheel")), strict=True)
+    pit = pits[4]
+    print([round(gain) for gain in gains], pit)
+    assert int(np.argmax(gains)) == pit.tooth == 4
+    assert max(gain for tooth, gain in enumerate(gains) if abs(tooth - 4) > 1) < 0.2 * gains[4]
+    assert pit.centre == pytest.approx(centre, rel=0.0, abs=0.3 * MM)
+    assert pit.depth == pytest.approx(2.0 * UM, rel=0.3, abs=0.0)
 
 
 @pytest.mark.slow
