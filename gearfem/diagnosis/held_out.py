@@ -42,10 +42,10 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     right, are no explanation, and the verdict is that without any. Where nuisances do the work of an effect they foretell other records too
     (index errors of all teeth, say, are as good as a runout), and names must surely be by far worse before they are none; or leave open
     what nuisances surely foretell better. Names that do not surely beat nuisances must not be beaten by a smooth correction, which knows no
-    physics. What turns with a shaft must surely beat nuisances, and not be beaten by that, where nuisances leave no gap without it: index
-    errors hold its waves, and waves of anything else. A gap that stays open is not explained. Names that lower what a fit costs, row by row
-    as if all were linear, and yet leave more of the fitted records are none either: motions whose flanks hammer may take another way for
-    next to nothing.
+    physics. What turns with a shaft must surely beat nuisances where records would show it, and not be beaten by that at all, if nuisances
+    leave no gap without it: index errors hold its waves, and waves of anything else. A gap that stays open is not explained. Names that
+    lower what a fit costs, row by row as if all were linear, and yet leave more of the fitted records are none either: motions whose flanks
+    hammer may take another way for next to nothing.
     """
     if naming.fit.effects and proof.over_fitted is not None and proof.over_fitted < UNMET:
         return _withdrawn(naming, naming.without if sound else "unexplained", "more", records="the records that were fitted")
@@ -58,7 +58,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
         missed = sound and shown and not better
         if worse or missed:
             return _withdrawn(naming, naming.without if sound else "unexplained", "more" if worse else "not surely less")
-        if shown and _turning(naming) and not (better and (proof.over_smooth or 1.0) >= 1.0):
+        if _turning(naming) and ((shown and not better) or (proof.over_smooth or 1.0) < 1.0):
             return _withdrawn(naming, naming.without, "not surely less", _smooth(proof))
         if far and over < WORSE and surely and naming.verdict != "ambiguous":
             return _withdrawn(naming, "unexplained", "more")

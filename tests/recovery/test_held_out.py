@@ -17,7 +17,9 @@ from gearfem.diagnosis.prove import Gap, _doubt, _judged, prove
 from gearfem.diagnosis.quantities import QUANTITIES
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.profile_wear import ProfileWear
+from gearfem.effects.runout import Runout
 from gearfem.foundation.progress import quiet
+from gearfem.foundation.units import UM
 
 
 @pytest.mark.parametrize(
@@ -67,6 +69,31 @@ def test_a_name_that_beats_nothing_where_nobody_looked_is_withdrawn(
     held = as_held_out_leaves(found.naming, proof, sound=False)
     assert held.verdict == verdict
     assert held.reasons[-1].endswith("A free smooth correction leaves 0.70 times as much.") == (verdict == "unexplained")
+
+
+@pytest.mark.parametrize(
+    ("share", "foretold", "smooth", "gapless", "stays"),
+    [
+        (1.03, 1.2, 1.1, True, False),
+        (1.07, 1.2, 1.1, True, True),
+        (1.0, 1.01, 1.1, True, True),
+        (1.07, 1.2, None, True, True),
+        (1.07, 1.2, 0.92, True, False),
+        (1.03, 1.01, 0.92, True, False),
+        (1.03, 1.2, 0.92, False, True),
+    ],
+)
+def test_waves_that_index_errors_hold_as_well_must_surely_beat_them_where_nobody_looked(
+    found: Diagnosis, share: float, foretold: float, smooth: float | None, gapless: bool, stays: bool
+) -> None:
+    """Where records would show it, by two standard errors; nor may a smooth correction do better there."""
+    runout = Runout(gear="pinion", eccentricity=5.0 * UM, angle=0.0)
+    naming = dataclasses.replace(found.naming, fit=dataclasses.replace(found.naming.fit, effects=(runout,)), without="no_discrepancy")
+    proof = dataclasses.replace(found.proof, over_nuisances=share, foretold=foretold, over_smooth=smooth, stderr=0.02)
+    held = as_held_out_leaves(dataclasses.replace(naming, gapless=gapless), proof, sound=False)
+    assert held.verdict == ("explained" if stays else "no_discrepancy")
+    teeth = as_held_out_leaves(dataclasses.replace(found.naming, gapless=gapless), proof, sound=False)
+    assert teeth.verdict == "explained"
 
 
 @pytest.mark.parametrize(
