@@ -28,6 +28,8 @@ from gearfem.foundation.units import UM
         (0.9, 1.2, 0.04, True, "no_discrepancy"),
         (1.05, 1.2, 0.03, True, "no_discrepancy"),
         (1.05, 1.05, 0.03, True, "explained"),
+        (1.05, 1.08, 0.03, True, "explained"),
+        (1.03, 1.08, 0.03, True, "no_discrepancy"),
         (0.99, 1.05, 0.03, True, "explained"),
         (0.9, 1.05, 0.04, True, "no_discrepancy"),
         (1.0, 1.2, 0.0, True, "explained"),
@@ -76,6 +78,7 @@ def test_a_name_that_beats_nothing_where_nobody_looked_is_withdrawn(
     [
         (1.03, 1.2, 1.1, True, False),
         (1.07, 1.2, 1.1, True, True),
+        (1.03, 1.05, 1.1, True, True),
         (1.0, 1.01, 1.1, True, True),
         (1.07, 1.2, None, True, True),
         (1.07, 1.2, 0.92, True, False),
