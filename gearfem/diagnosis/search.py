@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 import math
@@ -97,18 +98,23 @@ class Search:
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
         """Fit explanations again, see `again`; those that stay far off or stray, from nuisances as the model has them too.
 
-        The place that a fit descends into goes by where it began.
+        The place that a fit descends into goes by where it began. Where one leaves far more than it promised, with columns of another
+        place, it begins where the nuisances alone stand as well: index errors that suit those columns may lead a motion elsewhere.
         """
 
         def one(fit: Fit) -> Fit:
-            found, neutral = fit, self.problem.unknowns.neutral(fit.point.unknown)
-            try:
+            found = fit
+            with contextlib.suppress(InputError, SolveError):
                 found = again(copy.copy(self.problem), fit.effects, fit.point.stood)
                 if near_by(self.problem, found):
                     return found
-                return min(found, again(copy.copy(self.problem), fit.effects, neutral, hopeless=found.objective), key=self.score)
-            except (InputError, SolveError):
-                return found
+                starts = [self.problem.unknowns.neutral(fit.point.unknown)]
+                if fit.effects and found.objective > fit.objective + self.problem.wander:
+                    starts.append(self.alone.point.stood)
+                for start in starts:
+                    other = again(copy.copy(self.problem), fit.effects, start, hopeless=found.objective)
+                    found = min(found, other, key=self.score)
+            return found
 
         self._renew(one, fits, progress, words)
 

@@ -387,3 +387,30 @@ def test_what_first_fits_gain_is_looked_into_only_if_it_is_gained_by_fits_made_a
     search.settle = settle
     assert _settled_hopeless(cast(Search, search), quiet) is ends
     assert prepared == ([1.0] if ends else [])
+
+
+@pytest.mark.parametrize(("stood", "ends", "begun"), [(120.0, 120.0, [1.0, 0.0]), (1500.0, 90.0, [1.0, 0.0, 5.0])])
+def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alone_stand_too(
+    monkeypatch: pytest.MonkeyPatch, stood: float, ends: float, begun: list[float]
+) -> None:
+    """Places are numbers here: 0 is where the model has all nuisances, 1 where the first fit stood, 5 where nuisances alone do."""
+    module = sys.modules[Search.__module__]
+    leaves, tried = {1.0: stood, 0.0: stood + 1.0, 5.0: 90.0}, list[float]()
+
+    def point(unknown: float, at: float) -> Any:
+        return SimpleNamespace(unknown=unknown, stood=at)
+
+    def again(problem: object, effects: tuple[str, ...], place: float, **_: float) -> Any:
+        tried.append(place)
+        return SimpleNamespace(effects=effects, objective=leaves[place], point=point(place, place))
+
+    monkeypatch.setattr(module, "again", again)
+    monkeypatch.setattr(module, "near_by", lambda problem, fit: False)
+    monkeypatch.setattr(module, "counted", lambda work, items, *_: map(work, items))
+    monkeypatch.setattr(module, "label", lambda effects: effects)
+    problem = SimpleNamespace(wander=40.0, unknowns=SimpleNamespace(neutral=lambda unknown: 0.0))
+    search = Search(cast(Problem, problem), cast(Fit, SimpleNamespace(point=point(4.0, 5.0))))
+    monkeypatch.setattr(search, "score", lambda fit: fit.objective)
+    search.settle([cast(Fit, SimpleNamespace(effects=("pit",), objective=100.0, point=point(2.0, 1.0)))], quiet, "again")
+    assert search.fits[("pit",)].objective == ends  # type: ignore[index]
+    assert tried == begun
