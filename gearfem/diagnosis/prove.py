@@ -80,6 +80,11 @@ class Gap(Record):
         return math.hypot(self.floor_rms, self.doubt_rms)
 
     @property
+    def counted_rms(self) -> float:
+        """What is left on a record held out counts by: what is expected, or more where more is missing with effects or without."""
+        return max(self.expected_rms, min(self.rms(self.nuisances_only), self.rms(self.after)))
+
+    @property
     def role(self) -> Role:
         """What the record was for."""
         return self.measurement.role
@@ -105,7 +110,8 @@ class Proof(Record):
         In the order of the campaign.
     over_nuisances, over_smooth : float or None
         On hold-out records: what nuisances alone, and the smooth correction, leave over what the named effects leave; each in parts of
-        what can be expected, root mean square over the records. None without hold-out records or effects.
+        what can be expected, or of what both leave open beyond that, root mean square over the records. None without hold-out records or
+        effects.
     over_fitted : float or None
         The first of these on the records that were fitted; None without effects, or without such a record over the angle: a handful of
         numbers is met by nuisances as well, at values that are less likely.
@@ -300,8 +306,9 @@ def _over(gaps: list[Gap]) -> float:
 
 
 def _pooled(gaps: list[tuple[Gap, Array]]) -> float:
-    """Return the root mean square over records of what is left, in parts of what can be expected of each."""
-    return math.sqrt(sum((gap.rms(series) / gap.expected_rms) ** 2 for gap, series in gaps) / len(gaps))
+    """Return the root mean square over records of what is left, in parts of what can be expected of each, or counts if held out."""
+    parts = (gap.rms(series) / (gap.counted_rms if gap.role == "holdout" else gap.expected_rms) for gap, series in gaps)
+    return math.sqrt(sum(part**2 for part in parts) / len(gaps))
 
 
 def _doubt(gaps: list[Gap]) -> float:
@@ -313,7 +320,7 @@ def _doubt(gaps: list[Gap]) -> float:
     errors = []
     for gap in gaps:
         keep = gap.measurement.keep
-        left, does = (series[keep] / gap.expected_rms for series in (gap.after, gap.nuisances_only - gap.after))
+        left, does = (series[keep] / gap.counted_rms for series in (gap.after, gap.nuisances_only - gap.after))
         lags = np.arange(1 + left.size // BLOCKS)
         alike, reach = (correlate(series, series)[series.size - 1 :][: lags.size] for series in (left, does))
         taper = np.where(lags > 0, 2.0, 1.0) * (1.0 - lags / lags.size)

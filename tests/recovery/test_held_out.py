@@ -217,6 +217,21 @@ def test_the_doubt_is_what_chance_makes_of_what_records_held_out_tell(found: Dia
     assert np.median(doubts) == pytest.approx(np.std(told), rel=0.2, abs=0.0)
 
 
+def test_a_record_that_neither_explains_does_not_outvote_one_that_the_name_closes(found: Diagnosis) -> None:
+    """One falls from 1.3 times what is expected to it; the other stays 2.5 times as far off either way, and tells little."""
+    (gap, *_) = (gap for gap in found.proof.records if gap.role == "holdout")
+    rows = gap.after.size
+    one, two = (gap.expected_rms * math.sqrt(2.0) * np.sin(rate * np.arange(rows)) for rate in (0.3, 0.7))
+    closed = dataclasses.replace(gap, after=one, nuisances_only=one + math.sqrt(1.3**2 - 1.0) * two)
+    open_either_way = dataclasses.replace(gap, after=2.51 * one, nuisances_only=2.46 * one)
+    alone, both = _judged((closed,), True), _judged((closed, open_either_way), True)
+    assert alone.over_nuisances == pytest.approx(1.3, rel=0.02, abs=0.0)
+    assert both.over_nuisances == pytest.approx(math.sqrt((1.3**2 + 1.0) / (1.0 + (2.51 / 2.46) ** 2)), rel=0.02, abs=0.0)
+    assert both.stderr is not None
+    assert both.over_nuisances is not None
+    assert both.over_nuisances - 2.0 * both.stderr > 1.0
+
+
 def test_a_right_name_surely_does_better_where_nobody_looked(found: Diagnosis) -> None:
     """By more than two standard errors."""
     assert found.proof.stderr is not None
