@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 
-from gearfem.definition.setup import GearPair, Member
+from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.one_flank import likeliest_flanks
 from gearfem.diagnosis.problem import Problem
@@ -17,25 +18,56 @@ from gearfem.foundation import Array, InputError, SolveError
 
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
 PER_PITCH = 48
+# Places between root and tip at which something narrow is tried, and those about each to which what is felt of it is moved along.
+PLACES, ASIDE = 8, 6
 # Teeth on either side that an effect of one tooth reaches.
 ASIDE_TEETH = 1
 
 
 def starts_of(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[Effect]:
-    """Return the typical effect, on the likeliest teeth where it acts on one; what takes metal from one flank as it is likeliest there."""
+    """Return the typical effect, on the likeliest teeth where it acts on one, and where it is likeliest on the flank of each.
+
+    What takes metal from one flank is sought twice: shallow, as teeth stand, and as deep as it is typically, as if teeth were even. Under a
+    deep hollow a tooth bears nothing, which no slope foretells.
+    """
     first = kind.example(problem.campaign.setup, member)
     if not hasattr(first, "tooth"):
         return [first]
-    if first.stage == "flank":
-        found = likeliest_flanks(problem, base, first)
-        return [found[tooth][1] for tooth in standing_out(np.array([gain for gain, _ in found]), ASIDE_TEETH)]
-    try:
-        turn = _over_a_turn(problem, base, (*base.effects, first), member)
-    except (InputError, SolveError):
-        # As in a search: what cannot be computed explains nothing.
-        return []
-    gains = _tooth_gains(problem, base, member, turn, _over_a_turn(problem, base, base.effects, member))
-    return [dataclasses.replace(first, tooth=tooth) for tooth in standing_out(gains, ASIDE_TEETH)]  # type: ignore[call-arg]
+    found = likeliest_flanks(problem, base, first) if first.stage == "flank" else []
+    shallow = [found[tooth][1] for tooth in standing_out(np.array([gain for gain, _ in found]), ASIDE_TEETH)] if found else []
+    bare = _over_a_turn(problem, base, base.effects, member)
+    likeliest: dict[int, tuple[float, Effect]] = {}
+    for here, moved, later in _places(first, problem.campaign.setup):
+        on_first = dataclasses.replace(here, tooth=0)  # type: ignore[call-arg]
+        try:
+            turn = _over_a_turn(problem, base, (*base.effects, on_first), member)
+        except (InputError, SolveError):
+            # As in a search: what cannot be computed at a place explains nothing there.
+            continue
+        for effect, gains in zip(moved, _tooth_gains(problem, base, member, turn, bare, later), strict=True):
+            for tooth, gain in enumerate(gains.tolist()):
+                if gain >= likeliest.get(tooth, (0.0, first))[0]:
+                    likeliest[tooth] = gain, dataclasses.replace(effect, tooth=tooth)  # type: ignore[call-arg]
+    gains = np.array([likeliest[tooth][0] for tooth in range(len(likeliest))])
+    return [*shallow, *(likeliest[tooth][1] for tooth in standing_out(gains, ASIDE_TEETH))]
+
+
+def _places(effect: Effect, setup: Setup) -> Iterator[tuple[Effect, list[Effect], Array]]:
+    """Yield an effect at places from root to tip, others up and down the flank from each, and by how much later these are felt [rad].
+
+    The effect itself, not later, where it has no place.
+    """
+    fields = [field for field, known in effect.parameters().items() if known.place]
+    if not fields:
+        yield effect, [effect], np.zeros(1)
+        return
+    (field,) = fields
+    low, high = effect.parameters()[field].bounds(setup, effect.member)
+    forward = (1.0 if effect.member == "pinion" else -1.0) / setup.pair.pinion.base_radius
+    aside = ((np.arange(ASIDE) + 0.5) / ASIDE - 0.5) * (high - low) / PLACES
+    for place in low + (np.arange(PLACES) + 0.5) / PLACES * (high - low):
+        here, *moved = (dataclasses.replace(effect, **{field: float(place + by)}) for by in (0.0, *aside))
+        yield here, moved, forward * aside
 
 
 def late_tooth(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[tuple[Effect, Array]]:
@@ -91,7 +123,7 @@ def _grid(pair: GearPair, member: Member) -> Array:
     return np.arange(teeth * PER_PITCH + 1) / PER_PITCH * pair.pinion.pitch_angle
 
 
-def _tooth_gains(problem: Problem, base: Fit, member: Member, turn: list[Array | None], bare: list[Array | None]) -> Array:
+def _tooth_gains(problem: Problem, base: Fit, member: Member, turn: list[Array | None], bare: list[Array | None], later: Array) -> Array:
     """Return by how much an effect would lower the objective on each tooth of its gear, if the response were linear.
 
     Parameters
@@ -102,17 +134,19 @@ def _tooth_gains(problem: Problem, base: Fit, member: Member, turn: list[Array |
         Its gear.
     turn, bare : list of ndarray, shape (g,), or None
         From `_over_a_turn`, with the effect on tooth 0 and without it.
+    later : ndarray, shape (s,)
+        Turns of the pinion [rad] by which it may come later than it does.
 
     Returns
     -------
-    ndarray, shape (z,)
+    ndarray, shape (s, z)
 
     Notes
     -----
     Teeth are alike but for their scatter: the response of tooth k is that of tooth 0 k pitches later.
     """
     grid = _grid(problem.campaign.setup.pair, member)
-    late = grid[:-1:PER_PITCH]
+    late = (later[:, None] + grid[:-1:PER_PITCH]).ravel()
     series = []
     for record, with_it, without in zip(problem.records, turn, bare, strict=True):
         if with_it is None or without is None:
@@ -122,4 +156,5 @@ def _tooth_gains(problem: Problem, base: Fit, member: Member, turn: list[Array |
         series.append(np.interp(place % grid[-1], grid, with_it - without))
     gram, pull = problem.freed(base.point)(problem.whiten(tuple(series)))
     freed = np.diag(gram)
-    return np.asarray(np.where(freed > 0.0, pull**2 / np.maximum(freed, 1e-300), 0.0))
+    gains = np.where(freed > 0.0, pull**2 / np.maximum(freed, 1e-300), 0.0)
+    return np.asarray(gains.reshape(later.size, -1))

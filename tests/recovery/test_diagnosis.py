@@ -17,6 +17,7 @@ from click.testing import CliRunner
 
 from gearfem.assembly import assemble
 from gearfem.cli import main
+from gearfem.definition.setup import Member
 from gearfem.diagnosis import (
     Diagnosis,
     choose,
@@ -31,8 +32,9 @@ from gearfem.diagnosis import (
     standing_out,
     write_diagnosis,
 )
-from gearfem.diagnosis.fit import jacobian
+from gearfem.diagnosis.fit import Fit, jacobian
 from gearfem.diagnosis.one_flank import likeliest_flanks
+from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.rank import lowest
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.updated import write_updated
@@ -216,16 +218,22 @@ def test_a_scan_is_fitted_from_its_pits_alone() -> None:
     assert lowest([1.0, 2.0, np.inf, 7.0, np.inf]) == [0, 3]
 
 
-@pytest.mark.parametrize(("kind", "owner", "step"), [(Pitting, Pitting, "act"), (RootCrack, likely_teeth, "_over_a_turn")])
-def test_shapes_that_cannot_be_computed_explain_nothing(
-    found: Diagnosis, monkeypatch: pytest.MonkeyPatch, kind: type[Effect], owner: Any, step: str
-) -> None:
-    def refuse(*_: Any) -> Any:
+@pytest.mark.parametrize("kind", [Pitting, RootCrack])
+def test_shapes_that_cannot_be_computed_explain_nothing(found: Diagnosis, monkeypatch: pytest.MonkeyPatch, kind: type[Effect]) -> None:
+    over = likely_teeth._over_a_turn
+
+    def refuse(problem: Problem, base: Fit, effects: tuple[Effect, ...], member: Member) -> list[Any]:
+        if any(isinstance(effect, kind) for effect in effects):
+            raise InputError("depth1", "-1", "0 or more")
+        return over(problem, base, effects, member)
+
+    def refuse_to_act(*_: Any) -> Any:
         raise InputError("depth1", "-1", "0 or more")
 
     monkeypatch.setattr(standing_out, "STANDS_OUT", 0.0)
     assert likely_teeth.starts_of(found.problem, found.naming.alone, kind, "pinion")
-    monkeypatch.setattr(owner, step, refuse)
+    monkeypatch.setattr(likely_teeth, "_over_a_turn", refuse)
+    monkeypatch.setattr(kind, "act", refuse_to_act)
     assert likely_teeth.starts_of(found.problem, found.naming.alone, kind, "pinion") == []
 
 
