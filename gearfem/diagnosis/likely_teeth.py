@@ -11,7 +11,7 @@ from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.one_flank import likeliest_flanks
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.shapes import bounded
+from gearfem.diagnosis.shapes import bounded, placed
 from gearfem.diagnosis.standing_out import standing_out
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, SolveError
@@ -65,9 +65,8 @@ def _places(effect: Effect, setup: Setup) -> Iterator[tuple[Effect, list[Effect]
     low, high = effect.parameters()[field].bounds(setup, effect.member)
     forward = (1.0 if effect.member == "pinion" else -1.0) / setup.pair.pinion.base_radius
     aside = ((np.arange(ASIDE) + 0.5) / ASIDE - 0.5) * (high - low) / PLACES
-    for place in low + (np.arange(PLACES) + 0.5) / PLACES * (high - low):
-        here, *moved = (dataclasses.replace(effect, **{field: float(place + by)}) for by in (0.0, *aside))
-        yield here, moved, forward * aside
+    for here in placed(effect, setup, PLACES):
+        yield here, [dataclasses.replace(here, **{field: getattr(here, field) + by}) for by in aside.tolist()], forward * aside
 
 
 def late_tooth(problem: Problem, base: Fit, kind: type[Effect], member: Member) -> list[tuple[Effect, Array]]:

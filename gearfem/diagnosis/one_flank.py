@@ -12,7 +12,7 @@ from gearfem.definition.setup import Member, Setup
 from gearfem.diagnosis.candidate import signed
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.shapes import bounded, shapes_of
+from gearfem.diagnosis.shapes import bounded, placed, shapes_of
 from gearfem.diagnosis.teeth import Forms, felt, way_of
 from gearfem.effects.effect import Effect
 from gearfem.flank import Deviation, Flanks, Outline
@@ -52,12 +52,12 @@ def likeliest_flanks(problem: Problem, base: Fit, first: Effect) -> list[tuple[f
     teeth = range(counts[0]) if member == "pinion" else range(counts[0], sum(counts))
     found: list[tuple[float, Effect]] = [(0.0, first)] * len(teeth)
     for shape in shapes_of(first, setup):
-        placed = [(effect, depth) for effect in _placed(shape, setup) if (depth := missing_from(effect, setup)) is not None]
-        if not placed:
+        shallow = [(effect, depth) for effect in placed(shape, setup, PLACES) if (depth := missing_from(effect, setup)) is not None]
+        if not shallow:
             continue
-        forms = on_path([depth for _, depth in placed], setup, member)
+        forms = on_path([depth for _, depth in shallow], setup, member)
         series = (
-            np.zeros((len(record.axis), len(teeth) * len(placed))) if way is None else felt(record, bench, way, forms, counts, teeth)
+            np.zeros((len(record.axis), len(teeth) * len(shallow))) if way is None else felt(record, bench, way, forms, counts, teeth)
             for record, way in zip(problem.records, ways, strict=True)
         )
         felt_so = problem.whiten(tuple(series))
@@ -65,23 +65,12 @@ def likeliest_flanks(problem: Problem, base: Fit, first: Effect) -> list[tuple[f
         square = np.diag(gram)
         helps = (square > LEAST**2 * np.einsum("ij,ij->j", felt_so, felt_so)) & ((pull > 0.0) | signed(first, setup))
         strength = np.divide(pull, square, out=np.zeros_like(pull), where=helps)
-        gains, strengths = ((part * strength).reshape(len(teeth), -1) for part in (pull, np.ones_like(pull)))
+        gains, strengths = (part.reshape(len(teeth), -1) for part in (pull * strength, strength))
         for tooth, place in enumerate(np.argmax(gains, axis=1).tolist()):
             if gains[tooth, place] > found[tooth][0]:
-                effect = bounded(placed[place][0].scaled(float(strengths[tooth, place]), setup), setup)
+                effect = bounded(shallow[place][0].scaled(float(strengths[tooth, place]), setup), setup)
                 found[tooth] = float(gains[tooth, place]), dataclasses.replace(effect, tooth=tooth)  # type: ignore[call-arg]
     return found
-
-
-def _placed(effect: Effect, setup: Setup) -> list[Effect]:
-    """Return an effect at places from root to tip; the effect itself where it has no place."""
-    effects = [effect]
-    for field, known in effect.parameters().items():
-        if known.place:
-            low, high = known.bounds(setup, effect.member)
-            places = low + (np.arange(PLACES) + 0.5) / PLACES * (high - low)
-            effects = [dataclasses.replace(one, **{field: place}) for one in effects for place in places.tolist()]
-    return effects
 
 
 def missing_from(effect: Effect, setup: Setup) -> Deviation | None:

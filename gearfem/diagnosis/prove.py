@@ -81,8 +81,9 @@ class Gap(Record):
 
     @property
     def counted_rms(self) -> float:
-        """What is left on a record held out counts by: what is expected, or more where more is missing with effects or without."""
-        return max(self.expected_rms, min(self.rms(self.nuisances_only), self.rms(self.after)))
+        """What is left counts by: what is expected, and on a record held out more where more is missing with effects or without."""
+        least = min(self.rms(self.nuisances_only), self.rms(self.after)) if self.role == "holdout" else 0.0
+        return max(self.expected_rms, least)
 
     @property
     def role(self) -> Role:
@@ -306,9 +307,8 @@ def _over(gaps: list[Gap]) -> float:
 
 
 def _pooled(gaps: list[tuple[Gap, Array]]) -> float:
-    """Return the root mean square over records of what is left, in parts of what can be expected of each, or counts if held out."""
-    parts = (gap.rms(series) / (gap.counted_rms if gap.role == "holdout" else gap.expected_rms) for gap, series in gaps)
-    return math.sqrt(sum(part**2 for part in parts) / len(gaps))
+    """Return the root mean square over records of what is left, in parts of what that of each counts by."""
+    return math.sqrt(sum((gap.rms(series) / gap.counted_rms) ** 2 for gap, series in gaps) / len(gaps))
 
 
 def _doubt(gaps: list[Gap]) -> float:

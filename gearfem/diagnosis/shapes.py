@@ -49,6 +49,17 @@ def shapes_of(effect: Effect, setup: Setup) -> list[Effect]:
     return shapes + [bounded(effect.scaled(size, setup), setup) for size in sizes]
 
 
+def placed(effect: Effect, setup: Setup, count: int) -> list[Effect]:
+    """Return an effect at so many places from root to tip; the effect itself where it has no place."""
+    effects = [effect]
+    for field, known in effect.parameters().items():
+        if known.place:
+            low, high = known.bounds(setup, effect.member)
+            places = low + (np.arange(count) + 0.5) / count * (high - low)
+            effects = [dataclasses.replace(one, **{field: place}) for one in effects for place in places.tolist()]
+    return effects
+
+
 def spread_of(effect: Effect, setup: Setup) -> list[Effect]:
     """Return the shapes of an effect that motions alone feel; where it has two strengths, with each at sizes of its own.
 

@@ -258,16 +258,15 @@ def felt(record: Measurement, bench: Bench, way: Touch | Ride, forms: Forms, cou
     ndarray, shape (n, len(teeth) s)
         Tooth by tooth, the gain of the instrument not counted.
     """
+    weights = way.weights if isinstance(way, Touch) else way.swing.weights
+    path = _path(weights, way.angle, bench.pair)
     if isinstance(way, Touch):
-        path = _path(way.weights, way.angle, bench.pair)
-        return _spread(way.weights, forms(path), counts, teeth)
-    swing, out = way.swing, []
-    path = _path(swing.weights, way.angle, bench.pair)
-    shapes, slopes = forms(path), forms(path, derivative=1)
+        return _spread(weights, forms(path), counts, teeth)
+    shapes, slopes, out = forms(path), forms(path, derivative=1), []
     # A few teeth at a time: what they do at all steps then stays near the processor.
     for first in range(teeth.start, teeth.stop, TOGETHER):
         group = range(first, min(first + TOGETHER, teeth.stop))
-        errors, rates = _spread(swing.weights, shapes, counts, group), _spread(swing.shares, slopes, counts, group)
+        errors, rates = _spread(weights, shapes, counts, group), _spread(way.swing.shares, slopes, counts, group)
         out.append(way.rows(errors, record.pinion_speed * rates, record, bench))
     return np.concatenate(out, axis=1)
 

@@ -102,7 +102,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
             f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(remains)}.",
             *(
                 ["It is named all the same: nuisances leave as little only with values that are by so much less likely."]
-                if named.effects and level < OPEN
+                if named.effects and gapless
                 else ()
             ),
             *(

@@ -23,7 +23,6 @@ from gearfem.diagnosis.naming import Verdict, sentence_of
 from gearfem.diagnosis.parameters import at_bounds, overdone
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search, label, stays
-from gearfem.diagnosis.select import _settled_hopeless
 from gearfem.diagnosis.suspects import misshapen, unlikely
 from gearfem.diagnosis.teeth import Scatter
 from gearfem.diagnosis.verdict import _mirrored, _verdict_on, explains, judge, needed
@@ -361,56 +360,3 @@ def test_no_name_stands_beside_an_error_of_the_model_that_is_too_large_to_be_any
     unknown[found.problem.unknowns.wrong.start] = moved
     search.fits[label(fit.effects)] = dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
     assert judge(search, found.naming.identifiable).verdict == verdict
-
-
-@pytest.mark.parametrize(("detected", "kept"), [(40.0, [100.0, 21.0]), (100.0, [100.0, 21.0, 19.0])])
-def test_what_is_left_far_behind_by_one_that_may_be_named_is_not_fitted_again(detected: float, kept: list[float]) -> None:
-    gains: Any = SimpleNamespace(
-        first=lambda most: [100.0, 21.0, 19.0, 18.0][:most], gained=float, problem=SimpleNamespace(detected=detected)
-    )
-    assert Search.ahead(gains, 3) == kept
-
-
-@pytest.mark.parametrize(("gained", "ends"), [(30.0, False), (10.0, True)])
-def test_what_first_fits_gain_is_looked_into_only_if_it_is_gained_by_fits_made_again(gained: float, ends: bool) -> None:
-    """Half of what a name needs, 40; where the search ends the problem is prepared at the nuisances alone as they are then."""
-    first, again = (SimpleNamespace(point=SimpleNamespace(unknown=np.array([place]))) for place in (0.0, 1.0))
-    prepared: list[float] = []
-    search = SimpleNamespace(alone=first, ahead=lambda most: ["best"] * most, best=lambda most: "best")
-    search.problem = SimpleNamespace(detected=40.0, prepare=lambda effects, unknown: prepared.append(unknown[0]))
-    search.gained = lambda fit: 100.0 if search.alone is first else gained
-
-    def settle(fits: list[object], *words: object) -> None:
-        assert fits[0] is first
-        search.alone = again
-
-    search.settle = settle
-    assert _settled_hopeless(cast(Search, search), quiet) is ends
-    assert prepared == ([1.0] if ends else [])
-
-
-@pytest.mark.parametrize(("stood", "ends", "begun"), [(120.0, 120.0, [1.0, 0.0]), (1500.0, 90.0, [1.0, 0.0, 5.0])])
-def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alone_stand_too(
-    monkeypatch: pytest.MonkeyPatch, stood: float, ends: float, begun: list[float]
-) -> None:
-    """Places are numbers here: 0 is where the model has all nuisances, 1 where the first fit stood, 5 where nuisances alone do."""
-    module = sys.modules[Search.__module__]
-    leaves, tried = {1.0: stood, 0.0: stood + 1.0, 5.0: 90.0}, list[float]()
-
-    def point(unknown: float, at: float) -> Any:
-        return SimpleNamespace(unknown=unknown, stood=at)
-
-    def again(problem: object, effects: tuple[str, ...], place: float, **_: float) -> Any:
-        tried.append(place)
-        return SimpleNamespace(effects=effects, objective=leaves[place], point=point(place, place))
-
-    monkeypatch.setattr(module, "again", again)
-    monkeypatch.setattr(module, "near_by", lambda problem, fit: False)
-    monkeypatch.setattr(module, "counted", lambda work, items, *_: map(work, items))
-    monkeypatch.setattr(module, "label", lambda effects: effects)
-    problem = SimpleNamespace(wander=40.0, unknowns=SimpleNamespace(neutral=lambda unknown: 0.0))
-    search = Search(cast(Problem, problem), cast(Fit, SimpleNamespace(point=point(4.0, 5.0))))
-    monkeypatch.setattr(search, "score", lambda fit: fit.objective)
-    search.settle([cast(Fit, SimpleNamespace(effects=("pit",), objective=100.0, point=point(2.0, 1.0)))], quiet, "again")
-    assert search.fits[("pit",)].objective == ends  # type: ignore[index]
-    assert tried == begun
