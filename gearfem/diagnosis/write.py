@@ -130,9 +130,10 @@ def _cells(diagnosis: Diagnosis) -> dict[str, list[Any]]:
 
 
 def stderr(effect: Effect, field: str, deviation: float) -> float | None:
-    """Return the standard error of a parameter in the unit of its key; None where the data say nothing of it."""
-    known = effect.parameters()[field]
-    value = deviation * getattr(effect, field) ** 2 if known.reciprocal else deviation
+    """Return the standard error of a parameter in the unit of its key, that of disputed models in it; None where the data say nothing of it."""
+    known, here = effect.parameters()[field], getattr(effect, field)
+    fitted = deviation * here**2 if known.reciprocal else deviation
+    value = math.hypot(fitted, effect.disputed * here) if field in effect.strengths() else fitted
     return value / factor(effect.key(field)) if math.isfinite(value) else None
 
 

@@ -7,6 +7,7 @@ import dataclasses
 from gearfem.definition.setup import Member, Setup
 from gearfem.effects.effect import Effect, modules, parameter
 from gearfem.flank import Flanks
+from gearfem.flank.lead import DISPUTED
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -17,6 +18,7 @@ class Crowning(Effect):
     stage = "flank"
     repeats = "every tooth"
     either_gear = True
+    disputed = DISPUTED
     sentence = "Crowning of the {gear}: {amount_um} um of metal missing at both ends of the face width"
     source = "ISO 21771, flank line modifications"
 

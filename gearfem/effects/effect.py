@@ -129,6 +129,9 @@ class Effect(Record, abc.ABC):
         Whether nothing differs if the other gear has it: the flanks leave the same gap, of which no record tells whose it is.
     replaces : bool
         Whether it overrules the value of the model (the last one wins) rather than adding to it.
+    disputed : float
+        Share of its strengths, 0 without it, by which models in use of the same thing differ: a diagnosis states it with what it names,
+        since no record tells which is right.
     sentence : str
         For reports; keys of model files in braces are filled in.
     reverse : str
@@ -143,6 +146,7 @@ class Effect(Record, abc.ABC):
     history: ClassVar[History] = "made"
     either_gear: ClassVar[bool] = False
     replaces: ClassVar[bool] = False
+    disputed: ClassVar[float] = 0.0
     sentence: ClassVar[str]
     reverse: ClassVar[str] = ""
     source: ClassVar[str]

@@ -9,6 +9,7 @@ import numpy as np
 from gearfem.definition.setup import Member, Setup
 from gearfem.effects.effect import Effect, modules, of_width, parameter
 from gearfem.flank import Flanks
+from gearfem.flank.lead import DISPUTED
 from gearfem.foundation import Array
 
 
@@ -20,6 +21,7 @@ class EndRelief(Effect):
     stage = "flank"
     repeats = "every tooth"
     either_gear = True
+    disputed = DISPUTED
     sentence = "End relief of the {gear}: {amount_um} um at the ends of the face width, over {length_mm} mm each"
     source = "ISO 21771, flank line modifications"
 

@@ -7,6 +7,7 @@ import dataclasses
 from gearfem.definition.setup import Setup
 from gearfem.effects.effect import Effect, modules, parameter
 from gearfem.flank import Flanks
+from gearfem.flank.lead import DISPUTED
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -17,6 +18,7 @@ class LeadMisalignment(Effect):
     stage = "flank"
     repeats = "every tooth"
     history = "mounted"
+    disputed = DISPUTED
     sentence = "Misalignment: the gap opens by {slope_um} um over the face width"
     reverse = "Misalignment: the gap opens by {slope_um} um over the face width, from its other end on"
     source = "ISO 6336-1, mesh misalignment"

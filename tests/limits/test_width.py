@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from gearfem.assembly import assemble
 from gearfem.compliance import Root, SolidElements
@@ -107,6 +108,25 @@ def test_slices_without_a_lead_are_the_solid_tooth_under_an_even_load(mesh) -> N
     print(f"approach of slices over that under an even load: {ratio.min():.5f} to {ratio.max():.5f}")
     # Asked for: 1 %.
     assert np.abs(ratio - 1.0).max() < 1e-3
+
+
+@pytest.mark.parametrize("size", [4.0, 8.0])
+@pytest.mark.parametrize(("by_contact", "least", "most"), [(False, 0.6, 1.05), (True, 1.1, 3.0)], ids=["independent", "by_contact"])
+def test_other_models_of_slices_need_as_much_more_or_less_lead_as_is_said(mesh, size, by_contact, least, most) -> None:
+    """For the same approach under a tilt of so many times the deflection, of teeth held at their roots; bodies set them farther apart."""
+    pair = sliced_pair(mesh.flanks, mesh.placement, mesh.compliance, SLICES, path_positions(mesh.flanks, mesh.placement)[3:4])
+    load, place = np.array([125e3]), (np.arange(8) + 0.5) / 8 - 0.5
+    even = pair.matrix.sum(axis=2).mean()
+    other = dataclasses.replace(pair, matrix=even * (np.full((1, 8, 8), 1.0 / 8) if by_contact else np.eye(8)[None]))
+
+    def further(pair, tilt: float) -> float:
+        gap = tilt * (TILT(place) - TILT(place)[0])
+        return float(pair.load(mesh.law, load, gap)[1][0] - pair.load(mesh.law, load, np.zeros(8))[1][0])
+
+    tilt = size * even * load[0]
+    same = brentq(lambda one: further(other, one) - further(pair, tilt), 0.1 * tilt, 10.0 * tilt)
+    print(f"{same / tilt:.2f} times the tilt")
+    assert least < same / tilt < most
 
 
 def test_large_tilt_leaves_part_of_the_width_and_load_closes_it(mesh, angle) -> None:

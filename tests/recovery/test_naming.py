@@ -31,6 +31,7 @@ from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.crowning import Crowning
 from gearfem.effects.effect import Effect
+from gearfem.effects.lead_misalignment import LeadMisalignment
 from gearfem.effects.pitch_error import PitchError
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
@@ -63,6 +64,14 @@ def test_a_frequency_is_in_doubt_by_a_tenth_too(found: Diagnosis) -> None:
     doubt = _inexact(effect, found.problem)
     assert stderr(effect, "frequency", doubt["frequency"]) == pytest.approx(120.0, rel=1e-9, abs=0.0)
     assert doubt["ratio"] == 0.0
+
+
+def test_half_a_lead_is_disputed_between_models(found: Diagnosis) -> None:
+    """It is stated, and does not count against the name: a lead that is told from none by the data stays so."""
+    effect = LeadMisalignment(slope=-10.0 * UM)
+    doubt = _inexact(effect, found.problem)["slope"]
+    assert doubt < 2.5 * UM
+    assert stderr(effect, "slope", doubt) == pytest.approx(math.hypot(5.0, doubt / UM), rel=1e-9, abs=0.0)
 
 
 def test_place_and_length_are_in_doubt_by_a_tenth_of_the_length(found: Diagnosis) -> None:
