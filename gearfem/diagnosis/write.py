@@ -130,7 +130,7 @@ def _cells(diagnosis: Diagnosis) -> dict[str, list[Any]]:
 
 
 def stderr(effect: Effect, field: str, deviation: float) -> float | None:
-    """Return the standard error of a parameter in the unit of its key, that of disputed models in it; None where the data say nothing of it."""
+    """Return the standard error of a parameter in the unit of its key, disputed models in it; None where the data say nothing of it."""
     known, here = effect.parameters()[field], getattr(effect, field)
     fitted = deviation * here**2 if known.reciprocal else deviation
     value = math.hypot(fitted, effect.disputed * here) if field in effect.strengths() else fitted
