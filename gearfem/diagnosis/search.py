@@ -101,6 +101,7 @@ class Search:
         The place that a fit descends into goes by where it began. Where one leaves far more than it promised, with columns of another
         place, it begins where the nuisances alone stand as well: index errors that suit those columns may lead a motion elsewhere.
         """
+        bare = self.alone.point.stood
 
         def one(fit: Fit) -> Fit:
             found = fit
@@ -110,7 +111,7 @@ class Search:
                     return found
                 starts = [self.problem.unknowns.neutral(fit.point.unknown)]
                 if fit.effects and found.objective > fit.objective + self.problem.wander:
-                    starts.append(self.alone.point.stood)
+                    starts.append(bare)
                 for start in starts:
                     other = again(copy.copy(self.problem), fit.effects, start, hopeless=found.objective)
                     found = min(found, other, key=self.score)

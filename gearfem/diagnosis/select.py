@@ -127,7 +127,7 @@ def _concluded(search: Search, shown: tuple[Identifiability, ...], progress: Pro
     # What a fit far off leaves looks alike for long: no reason to count it less.
     problem.memory = np.minimum(memory, problem.memory)
     jobs = [search.alone, *([best] if best.effects else []), *search.rivals()]
-    search.fits = {}
+    search.fits = {(): search.alone}
     search.settle(jobs, progress, "rivals again")
     search.abreast(progress)
     best = search.best()

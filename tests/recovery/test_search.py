@@ -12,7 +12,7 @@ import pytest
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search
-from gearfem.diagnosis.select import _settled_hopeless
+from gearfem.diagnosis.select import _concluded, _settled_hopeless
 from gearfem.foundation.progress import quiet
 
 
@@ -67,3 +67,29 @@ def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alon
     search.settle([cast(Fit, SimpleNamespace(effects=("pit",), objective=100.0, point=point(2.0, 1.0)))], quiet, "again")
     assert search.fits[("pit",)].objective == ends  # type: ignore[index]
     assert tried == begun
+
+
+def test_rivals_fitted_again_know_where_nuisances_alone_stand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On several cores each is fitted by a child, which does not learn what has become of these meanwhile."""
+    module = sys.modules[_concluded.__module__]
+    alone, best = (
+        SimpleNamespace(effects=effects, point=SimpleNamespace(unknown=place)) for effects, place in (((), 5.0), (("pit",), 2.0))
+    )
+    monkeypatch.setattr(module, "label", lambda effects: effects)
+    monkeypatch.setattr(module, "_prepare_at", lambda *_: None)
+
+    class Settled(Exception):
+        pass
+
+    def settle(fits: list[object], *_: object) -> None:
+        assert fits == [alone, best]
+        assert search.alone is alone
+        raise Settled
+
+    problem = SimpleNamespace(memory=np.ones(2), remember=lambda fit: None)
+    search = Search(cast(Problem, problem), cast(Fit, alone))
+    search.fits[("pit",)] = cast(Fit, best)  # type: ignore[index]
+    for name, own in (("score", lambda fit: 0.0), ("best", lambda: best), ("rivals", list), ("settle", settle)):
+        monkeypatch.setattr(search, name, own)
+    with pytest.raises(Settled):
+        _concluded(search, (), quiet)
