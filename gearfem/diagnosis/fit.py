@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from gearfem.definition.setup import Setup
 from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.marginal import WEIGHED
@@ -187,20 +188,22 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
             if worse == WORSE:
                 break
     problem.__dict__.update(there.__dict__)
-    best, least = _eased(problem, best, least)
+    derivatives = jacobian(problem, best)
+    best, least = _eased(problem, stood := best, least, _deviations(problem, best, derivatives))
     if not math.isfinite(problem.left_at(best.effects, best.unknown)):
         # As if all were linear it would end where there is no model.
         best = problem.still(best)
-    return _standing(problem, best, least, jacobian(problem, best))
+    return _standing(problem, best, least, derivatives if best is stood else jacobian(problem, best))
 
 
-def _eased(problem: Problem, point: Point, attained: float) -> tuple[Point, float]:
-    """Return a point whose strengths at a bound are halved as long as that costs little of what their effect explains, and what it attains.
+def _eased(problem: Problem, point: Point, attained: float, deviations: tuple[dict[str, float], ...]) -> tuple[Point, float]:
+    """Return a point whose undecided strengths are halved as long as that costs little of what their effect explains, and what it attains.
 
-    A pit that takes all load off its part of a flank does nothing more if it is deeper: nothing speaks for the deepest one.
+    Those at a bound, and those that are not surely any by their deviations. A pit that takes all load off its part of a flank does nothing
+    more if it is deeper: nothing speaks for the deepest one.
     """
     setup = problem.campaign.setup
-    for number, field in parameters.at_bounds(point.effects, setup):
+    for number, field in dict.fromkeys((*parameters.at_bounds(point.effects, setup), *_undecided(point.effects, deviations, setup))):
         before, after = point.effects[:number], point.effects[number + 1 :]
         if field not in point.effects[number].strengths() or point.effects[number].parameters()[field].reciprocal:
             continue
@@ -216,6 +219,15 @@ def _eased(problem: Problem, point: Point, attained: float) -> tuple[Point, floa
                 break
             point, attained = ahead, left
     return point, attained
+
+
+def _undecided(effects: tuple[Effect, ...], deviations: tuple[dict[str, float], ...], setup: Setup) -> Iterator[tuple[int, str]]:
+    """Yield the strengths of single teeth that by their deviations may be none: number of the effect and field."""
+    for number, (effect, known) in enumerate(zip(effects, deviations, strict=True)):
+        if effect.repeats == "one tooth":
+            yield from (
+                (number, field) for field, far in parameters.strengths(effect, setup).items() if far < parameters.SURE * known[field]
+            )
 
 
 def _little(objective: float) -> float:

@@ -92,9 +92,12 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     taking_part = bool(second.fit.effects) if first.fit.effects else missed and second.gains
     if not wavy and taking_part:
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
-        first = _of_all(told, first, second.best, common, progress)
-        if not second.fit.effects:
+        first, named = _of_all(told, first, second.best, common, progress), second.fit.effects
+        if first.fit.effects or not named:
             second, wavy = _of_teeth(told, first.fit, single, progress, second)
+            if named and not wavy and not second.fit.effects:
+                # It made up for what was named too large, or not at all.
+                first = _of_means_anew(told, first, second, progress)
     elif not wavy and first.fit.effects:
         first = _of_means_anew(told, first, second, progress)
     elif not wavy:
@@ -262,13 +265,12 @@ def _of_means_anew(problem: Problem, first: Naming, second: Naming, progress: Pr
 def _anew(problem: Problem, alone: Fit, start: Array, naming: Naming, words: str, progress: Progress) -> Naming:
     """Return a verdict again, its best explanation and those near it fitted from unknowns on; what lost by far is not fitted again."""
     search = Search(problem, alone)
-    sets = [naming.best.effects, *(rival.effects for rival in naming.rivals if rival.near)]
-    for number, effects in enumerate(sets):
-        progress(words, number, len(sets))
-        if effects and label(effects) not in search.fits:
-            with contextlib.suppress(InputError, SolveError):
-                search.fits[label(effects)] = again(problem, effects, start)
-    progress(words, len(sets), len(sets))
+    near = (naming.best.effects, *(rival.effects for rival in naming.rivals if rival.near))
+    sets = {label(effects): effects for effects in near if effects}
+    search.settle_from([(effects, start) for effects in sets.values()], progress, words)
+    if search.best().effects:
+        # No name wins by where it began.
+        search.settle_from([((), search.best().point.stood)], progress, words)
     best = search.best()
     problem.prepare(best.effects, best.point.stood)
     judged = judge(search, naming.identifiable)

@@ -90,13 +90,14 @@ class _Saturating:
         return 100.0 + 900.0 * min([share**2 for share in shares], default=1.0)
 
 
-def test_nothing_speaks_for_the_deepest_pit_if_a_shallower_one_does_as_much(campaign: Path) -> None:
+@pytest.mark.parametrize(("depth", "deviation", "ends"), [(300.0, 0.0, 150.0), (290.0, 100.0, 145.0), (290.0, 90.0, 290.0)])
+def test_nothing_speaks_for_the_deepest_pit_if_a_shallower_one_does_as_much(
+    campaign: Path, depth: float, deviation: float, ends: float
+) -> None:
+    """Where it ends at its bound, or its depth is none within three deviations; else it stays as it is."""
     problem: Any = _Saturating(read_campaign(campaign))
-    deepest = Pitting(gear="pinion", tooth=3, depth=300.0 * UM, centre=7.0 * MM, width=1.5 * MM)
-    assert parameters.at_bounds((deepest,), problem.campaign.setup) == ((0, "depth"),)
-    point, attained = _eased(problem, problem.at((deepest,), np.zeros(3), np.ones(2)), 100.0)
-    assert point.effects[0].depth == pytest.approx(150.0 * UM, rel=1e-12, abs=0.0)  # type: ignore[attr-defined]
+    deepest = Pitting(gear="pinion", tooth=3, depth=depth * UM, centre=7.0 * MM, width=1.5 * MM)
+    assert parameters.at_bounds((deepest,), problem.campaign.setup) == (((0, "depth"),) if depth == 300.0 else ())
+    point, attained = _eased(problem, problem.at((deepest,), np.zeros(3), np.ones(2)), 100.0, ({"depth": deviation * UM},))
+    assert point.effects[0].depth == pytest.approx(ends * UM, rel=1e-12, abs=0.0)  # type: ignore[attr-defined]
     assert attained == 100.0
-    # What does not end at its bound stays as it is.
-    within = problem.at((dataclasses.replace(deepest, depth=290.0 * UM),), np.zeros(3), np.ones(2))
-    assert _eased(problem, within, 100.0) == (within, 100.0)
