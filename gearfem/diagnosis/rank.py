@@ -58,8 +58,7 @@ def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progres
         response are left out.
     """
     jobs = [(kind, member) for kind in kinds.values() for member in _members(kind)]
-    # The longest first, so that all cores end together.
-    return _ranked(problem, base, sorted(jobs, key=lambda job: not stands(job[0].example(problem.campaign.setup))), progress, "candidates")
+    return _ranked(problem, base, jobs, progress, "candidates")
 
 
 def _members(kind: type[Effect]) -> tuple[Member, ...]:
@@ -106,9 +105,17 @@ def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]]
         tried += [candidate_of(view, *late) for late in late_tooth(problem, view.base, *job)]
         return [candidate for candidate in tried if candidate is not None]
 
-    for several in counted(one, jobs, progress, words):
+    # The longest first, so that all cores end together.
+    for several in counted(one, sorted(jobs, key=lambda job: _tries(problem, job), reverse=True), progress, words):
         found += several
     return tuple(sorted(found, key=lambda candidate: -candidate.gain))
+
+
+def _tries(problem: Problem, job: tuple[type[Effect], Member]) -> tuple[bool, bool, int]:
+    """Return what tells how long an effect takes: whether it is fitted as it stands, is sought on every tooth, and its sizes and shapes."""
+    kind, member = job
+    first = kind.example(problem.campaign.setup, member)
+    return stands(first), hasattr(first, "tooth"), len(spread_of(first, problem.campaign.setup))
 
 
 def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.name import name
 from gearfem.diagnosis.problem import Problem
 from gearfem.diagnosis.search import Search
 from gearfem.diagnosis.select import _concluded, _settled_hopeless
@@ -89,7 +90,49 @@ def test_rivals_fitted_again_know_where_nuisances_alone_stand(monkeypatch: pytes
     problem = SimpleNamespace(memory=np.ones(2), remember=lambda fit: None)
     search = Search(cast(Problem, problem), cast(Fit, alone))
     search.fits[("pit",)] = cast(Fit, best)  # type: ignore[index]
-    for name, own in (("score", lambda fit: 0.0), ("best", lambda: best), ("rivals", list), ("settle", settle)):
-        monkeypatch.setattr(search, name, own)
+    for method, own in (("score", lambda fit: 0.0), ("best", lambda: best), ("rivals", list), ("settle", settle)):
+        monkeypatch.setattr(search, method, own)
     with pytest.raises(Settled):
         _concluded(search, (), quiet)
+
+
+@pytest.mark.parametrize(
+    ("means", "means_beside", "teeth_again", "course"),
+    [
+        ("crowning", "crowning", "pit", ["means", "teeth", "means beside pit", "teeth again"]),
+        ("crowning", "crowning", "", ["means", "teeth", "means beside pit", "teeth again", "means again"]),
+        ("", "", "pit", ["means", "teeth", "means beside pit"]),
+    ],
+    ids=["both stay", "pit made up for the crowning", "pit alone"],
+)
+def test_what_is_named_of_single_teeth_is_asked_again_beside_what_is_named_of_all(
+    monkeypatch: pytest.MonkeyPatch, means: str, means_beside: str, teeth_again: str, course: list[str]
+) -> None:
+    """A crowning that is named too large makes a pit of waviness, which is none once the crowning has been fitted beside it."""
+    module, done = sys.modules[name.__module__], list[str]()
+
+    def naming(word: str) -> Any:
+        fit = SimpleNamespace(effects=(word,) if word else ())
+        return SimpleNamespace(fit=fit, best=fit, alone=fit, verdict="explained" if word else "unexplained", left=0.5, gains=bool(word))
+
+    def step(word: str, result: str) -> Any:
+        done.append(word)
+        return naming(result)
+
+    def of_teeth(problem: object, fit: object, kinds: object, progress: object, before: object = None) -> tuple[Any, bool]:
+        return (step("teeth", "pit") if before is None else step("teeth again", teeth_again)), False
+
+    for word, stub in {
+        "has_means": lambda problem: True,
+        "untold": lambda problem, first: (),
+        "_of_means": lambda *_, **__: step("means", means),
+        "_of_teeth": of_teeth,
+        "_of_all": lambda problem, first, single, *_: step(f"means beside {single.effects[0]}", means_beside),
+        "_of_means_anew": lambda *_: step("means again", means),
+        "left_open": lambda problem, untold, found: found,
+        "_joined": lambda problem, alone, first, second: (first.fit.effects, second.fit.effects),
+    }.items():
+        monkeypatch.setattr(module, word, stub)
+    found = name(cast(Problem, SimpleNamespace()), cast(Fit, SimpleNamespace(settings=None)), {})
+    assert done == course
+    assert cast(Any, found) == ((means,) if means else (), (teeth_again,) if teeth_again else ())
