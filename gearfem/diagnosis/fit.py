@@ -38,6 +38,8 @@ ALONG = "mm"
 AGAIN, NEARBY, WORSE = 8, 2, 2
 # Halvings at most of a strength that ended at its bound, and what they may cost of what its effect explains, whose shape is no better.
 HALVED, LITTLE = 5, SHAPE**2
+# Standard deviation of what is known to a factor of two, in parts of it.
+FACTOR = 0.33
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -193,7 +195,10 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
     if not math.isfinite(problem.left_at(best.effects, best.unknown)):
         # As if all were linear it would end where there is no model.
         best = problem.still(best)
-    return _standing(problem, best, least, derivatives if best is stood else jacobian(problem, best))
+    if best is stood:
+        return _standing(problem, best, least, derivatives)
+    found = _standing(problem, best, least, jacobian(problem, best))
+    return dataclasses.replace(found, deviations=_to_a_factor(found, stood.effects, problem.campaign.setup))
 
 
 def _eased(problem: Problem, point: Point, attained: float, deviations: tuple[dict[str, float], ...]) -> tuple[Point, float]:
@@ -219,6 +224,15 @@ def _eased(problem: Problem, point: Point, attained: float, deviations: tuple[di
                 break
             point, attained = ahead, left
     return point, attained
+
+
+def _to_a_factor(fit: Fit, before: tuple[Effect, ...], setup: Setup) -> tuple[dict[str, float], ...]:
+    """Return the deviations of a fit, with those of strengths that were halved since: known to a factor of two."""
+    found = []
+    for effect, one, known in zip(fit.effects, before, fit.deviations, strict=True):
+        halved = {field: far for field, far in parameters.strengths(effect, setup).items() if getattr(effect, field) != getattr(one, field)}
+        found.append(known | {field: max(known[field], FACTOR * far) for field, far in halved.items()})
+    return tuple(found)
 
 
 def _undecided(effects: tuple[Effect, ...], deviations: tuple[dict[str, float], ...], setup: Setup) -> Iterator[tuple[int, str]]:

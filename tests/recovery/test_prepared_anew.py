@@ -14,7 +14,7 @@ import pytest
 from gearfem.diagnosis import parameters, read_campaign
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.campaign import Campaign
-from gearfem.diagnosis.fit import _eased, again
+from gearfem.diagnosis.fit import _eased, _to_a_factor, again
 from gearfem.diagnosis.problem import Problem
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
@@ -101,3 +101,15 @@ def test_nothing_speaks_for_the_deepest_pit_if_a_shallower_one_does_as_much(
     point, attained = _eased(problem, problem.at((deepest,), np.zeros(3), np.ones(2)), 100.0, ({"depth": deviation * UM},))
     assert point.effects[0].depth == pytest.approx(ends * UM, rel=1e-12, abs=0.0)  # type: ignore[attr-defined]
     assert attained == 100.0
+
+
+def test_a_depth_that_was_halved_is_known_to_a_factor_of_two(campaign: Path) -> None:
+    """So that it is no reason to call the pit none; a depth that stood, and where the pit lies, are known as they were."""
+    before = Pitting(gear="pinion", tooth=3, depth=290.0 * UM, centre=7.0 * MM, width=1.5 * MM)
+    after, setup = dataclasses.replace(before, depth=145.0 * UM), read_campaign(campaign).setup
+    known = {"depth": 5.0 * UM, "centre": 0.2 * MM, "width": 0.1 * MM}
+    fit: Any = SimpleNamespace(effects=(after, before), deviations=(known, known))
+    halved, stood = _to_a_factor(fit, (before, before), setup)
+    assert halved == known | {"depth": pytest.approx(0.33 * 145.0 * UM, rel=1e-12, abs=0.0)}
+    assert stood == known
+    assert not parameters.faint(after, halved, setup)
