@@ -52,7 +52,7 @@ class Fit(Record):
         As fitted; none for the nuisances alone.
     deviations : tuple of dict
         Standard deviation of each parameter [SI], or of its reciprocal where that is smooth, by field, one dict for each effect: noise,
-        nuisances, model form, and see `_inexact`.
+        nuisances, model form, and see `_inexact`; without what models dispute, which is added where it is stated.
     bound : tuple of (int, str)
         Parameters that ended at a bound: number of the effect and field.
     objective : float
@@ -190,25 +190,30 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
             if worse == WORSE:
                 break
     problem.__dict__.update(there.__dict__)
-    derivatives = jacobian(problem, best)
-    best, least = _eased(problem, stood := best, least, _deviations(problem, best, derivatives))
-    if not math.isfinite(problem.left_at(best.effects, best.unknown)):
-        # As if all were linear it would end where there is no model.
-        best = problem.still(best)
-    if best is stood:
-        return _standing(problem, best, least, derivatives)
-    found = _standing(problem, best, least, jacobian(problem, best))
-    return dataclasses.replace(found, deviations=_to_a_factor(found, stood.effects, problem.campaign.setup))
+    found = _ended(problem, best, least)
+    eased, least = _eased(problem, found)
+    if eased is found.point:
+        return found
+    halved = _ended(problem, eased, least)
+    return dataclasses.replace(halved, deviations=_to_a_factor(halved, found.effects, problem.campaign.setup))
 
 
-def _eased(problem: Problem, point: Point, attained: float, deviations: tuple[dict[str, float], ...]) -> tuple[Point, float]:
-    """Return a point whose undecided strengths are halved as long as that costs little of what their effect explains, and what it attains.
+def _ended(problem: Problem, point: Point, attained: float) -> Fit:
+    """Return the fit that ends at a point, where there is a model."""
+    if not math.isfinite(problem.left_at(point.effects, point.unknown)):
+        # As if all were linear it would end where there is none.
+        point = problem.still(point)
+    return _standing(problem, point, attained, jacobian(problem, point))
+
+
+def _eased(problem: Problem, fit: Fit) -> tuple[Point, float]:
+    """Return where a fit stands with undecided strengths halved while that costs little of what their effect explains, and what it attains.
 
     Those at a bound, and those that are not surely any by their deviations. A pit that takes all load off its part of a flank does nothing
     more if it is deeper: nothing speaks for the deepest one.
     """
-    setup = problem.campaign.setup
-    for number, field in dict.fromkeys((*parameters.at_bounds(point.effects, setup), *_undecided(point.effects, deviations, setup))):
+    point, attained, setup = fit.point, fit.objective, problem.campaign.setup
+    for number, field in dict.fromkeys((*fit.bound, *_undecided(fit, setup))):
         before, after = point.effects[:number], point.effects[number + 1 :]
         if field not in point.effects[number].strengths() or point.effects[number].parameters()[field].reciprocal:
             continue
@@ -235,9 +240,9 @@ def _to_a_factor(fit: Fit, before: tuple[Effect, ...], setup: Setup) -> tuple[di
     return tuple(found)
 
 
-def _undecided(effects: tuple[Effect, ...], deviations: tuple[dict[str, float], ...], setup: Setup) -> Iterator[tuple[int, str]]:
+def _undecided(fit: Fit, setup: Setup) -> Iterator[tuple[int, str]]:
     """Yield the strengths of single teeth that by their deviations may be none: number of the effect and field."""
-    for number, (effect, known) in enumerate(zip(effects, deviations, strict=True)):
+    for number, (effect, known) in enumerate(zip(fit.effects, fit.deviations, strict=True)):
         if effect.repeats == "one tooth":
             yield from (
                 (number, field) for field, far in parameters.strengths(effect, setup).items() if far < parameters.SURE * known[field]

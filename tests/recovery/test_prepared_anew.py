@@ -97,8 +97,11 @@ def test_nothing_speaks_for_the_deepest_pit_if_a_shallower_one_does_as_much(
     """Where it ends at its bound, or its depth is none within three deviations; else it stays as it is."""
     problem: Any = _Saturating(read_campaign(campaign))
     deepest = Pitting(gear="pinion", tooth=3, depth=depth * UM, centre=7.0 * MM, width=1.5 * MM)
-    assert parameters.at_bounds((deepest,), problem.campaign.setup) == (((0, "depth"),) if depth == 300.0 else ())
-    point, attained = _eased(problem, problem.at((deepest,), np.zeros(3), np.ones(2)), 100.0, ({"depth": deviation * UM},))
+    bound = parameters.at_bounds((deepest,), problem.campaign.setup)
+    assert bound == (((0, "depth"),) if depth == 300.0 else ())
+    fit: Any = SimpleNamespace(effects=(deepest,), deviations=({"depth": deviation * UM},), bound=bound, objective=100.0)
+    fit.point = problem.at((deepest,), np.zeros(3), np.ones(2))
+    point, attained = _eased(problem, fit)
     assert point.effects[0].depth == pytest.approx(ends * UM, rel=1e-12, abs=0.0)  # type: ignore[attr-defined]
     assert attained == 100.0
 
