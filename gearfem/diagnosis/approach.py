@@ -28,6 +28,19 @@ TIMES = 4
 LOST = 5.0
 
 
+def lost(problem: Problem, fit: Fit) -> bool:
+    """Return whether a fit is so far from a record that it may stand in the wrong place."""
+    return bool((fit.squares / problem.floor).max() > LOST)
+
+
+def reads_otherwise(problem: Problem, base: Fit, effects: tuple[Effect, ...]) -> bool:
+    """Return whether effects change the instrument beside a fit far from the records: columns of what is linear are then those under them.
+
+    All that index errors and errors of the model do to a motion goes through the instrument, and a fit that is lost goes by it far.
+    """
+    return lost(problem, base) and any(effect.stage == "sensing" for effect in effects if effect not in base.effects)
+
+
 def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS, effects: tuple[Effect, ...] = ()) -> Fit:
     """Return the fit of effects, or of the nuisances alone, from settings on, where their derivatives are taken."""
     return problem.fit(effects, problem.prepare(effects, problem.unknowns.of(start)), rounds)

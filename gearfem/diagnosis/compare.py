@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from gearfem.definition.setup import GearPair
-from gearfem.diagnosis.approach import LOST, at_rest, fit_from, part_of, tuned
+from gearfem.diagnosis.approach import at_rest, fit_from, lost, part_of, tuned
 from gearfem.diagnosis.averages import averaged, has_means, of_teeth, teeth_under, whole
 from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.branches import FAR, nearest
@@ -155,7 +155,7 @@ def _of_means(mean: Problem, level: Settings) -> Fit:
     start = at_rest(mean, level)
     met = tuned(mean, mean.prepare((), mean.unknowns.of(start)))
     alone = again(mean, (), met)
-    if (alone.squares / mean.floor).max() < LOST and stays(mean, alone):
+    if not lost(mean, alone) and stays(mean, alone):
         return alone
     other = again(copy.copy(mean), (), mean.unknowns.neutral(alone.point.unknown))
     return min(alone, other, key=lambda fit: fit.objective)

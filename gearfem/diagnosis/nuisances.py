@@ -123,7 +123,7 @@ def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[
     if any(record.quantity.axis == "angle" for record in loaded) and not campaign.angle_known:
         pitch = campaign.setup.pair.pinion.pitch_angle
         words, prior = "zero of the pinion angle", UNIFORM * pitch
-        found.append(Nuisance(name="angle_offset", words=words, prior=prior, step=5e-3, reach=2.0, level=0.0, is_scale=False))
+        found.append(Nuisance(name="angle_offset", words=words, prior=prior, step=2e-4, reach=2.0, level=0.0, is_scale=False))
     if loaded:
         found += (*SCALES, *BUILD)
     if any(record.quantity.moving for record in loaded):

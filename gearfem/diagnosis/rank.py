@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
@@ -11,12 +12,12 @@ from typing import TypeAlias
 import numpy as np
 
 from gearfem.definition.setup import Member
-from gearfem.diagnosis.approach import LOST, unwound
+from gearfem.diagnosis.approach import lost, reads_otherwise, unwound
 from gearfem.diagnosis.candidate import Candidate, View, candidate_of, scored, view_of
-from gearfem.diagnosis.fit import Fit
+from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.ringing import rung
+from gearfem.diagnosis.readings import likeliest_readings
 from gearfem.diagnosis.shapes import bounded, scanned, shapes_of, spread_of, stands
 from gearfem.diagnosis.side_by_side import counted
 from gearfem.diagnosis.turning import turned, turns
@@ -150,17 +151,25 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
     tried: list[tuple[float, Start]] = []
     for unknown in (base.point.unknown, *_elsewhere(view, start)):
         with contextlib.suppress(InputError, SolveError):
-            one = view if unknown is base.point.unknown or not stands(start) else _moved(view, unknown)
-            effects = rung(one, start) if stands(start) else spread_of(start, problem.campaign.setup)
+            effects = _sizes(view, start, unknown)
             starts: list[Start] = [((*base.effects, effect), unknown) for effect in effects]
             left = [problem.left_at(*place) for place in starts]
             pits = lowest(left) if scanned(start, problem.campaign.setup) else range(len(left))
             tried += [(left[place], starts[place]) for place in pits]
     nearest = [place for _, place in sorted(tried, key=lambda item: item[0])[:MET]]
+    if reads_otherwise(problem, base, (start,)):
+        return max(_candidates(view, _prepared(view, nearest)), key=lambda candidate: candidate.gain, default=None)
     found = _fits(problem, nearest, 2, base.objective)
     ahead = sorted(found, key=lambda fit: fit.objective)[:1]
     fits = _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, base.objective)
     return max(_candidates(view, fits), key=lambda candidate: candidate.gain, default=None)
+
+
+def _sizes(view: View, start: Effect, unknown: Array) -> list[Effect]:
+    """Return an effect that cannot be scaled, or that motions alone feel, at sizes from which it may lead near under some nuisances."""
+    if start.stage != "sensing":
+        return spread_of(start, view.problem.campaign.setup)
+    return likeliest_readings(view if unknown is view.base.point.unknown else _moved(view, unknown), start)
 
 
 def lowest(left: Sequence[float]) -> list[int]:
@@ -194,6 +203,16 @@ def _fits(problem: Problem, starts: list[Start], rounds: int, hopeless: float = 
     return found
 
 
+def _prepared(view: View, starts: list[Start]) -> list[Fit]:
+    """Return fits with columns taken under their effects; one that does not promise to leave less than those before is given up."""
+    found: list[Fit] = []
+    for effects, unknown in starts:
+        with contextlib.suppress(InputError, SolveError):
+            least = min((fit.objective for fit in found), default=view.base.objective)
+            found.append(again(copy.copy(view.problem), effects, unknown, hopeless=least))
+    return found
+
+
 def _waves(view: View, start: Effect) -> list[tuple[Effect, Array | None]]:
     """Return an effect that comes with the turns of a shaft where it explains most, and the nuisances beside it."""
     return [(effect, unknown) for effect in turned(view, start) for unknown in (None, *_elsewhere(view, effect))]
@@ -222,7 +241,7 @@ def _elsewhere(view: View, effect: Effect) -> list[Array]:
     move the mesh lines.
     """
     problem, base = view.problem, view.base
-    if (base.squares / problem.floor).max() < LOST:
+    if not lost(problem, base):
         return []
     unknowns, stood = problem.unknowns, base.point.unknown
     neutral = unknowns.neutral(stood)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from gearfem.diagnosis.approach import EDGES, LOST, part_of, tuned, unwound
+from gearfem.diagnosis.approach import EDGES, lost, part_of, tuned, unwound
 from gearfem.diagnosis.candidate import Candidate
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.problem import Problem
@@ -55,7 +55,7 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
 
     def looked_at(example: Effect) -> Fit | None:
         tried = [((effect,), neutral) for effect in (example, *shapes_of(type(example).example(setup, example.member), setup))]
-        if (alone.squares / problem.floor).max() > LOST:
+        if lost(problem, alone):
             tried += [(effects, zero) for effects, _ in tried for zero in unwound(part, effects, neutral)]
         try:
             return part.fit(*min(tried, key=lambda start: part.left_at(*start)), ROUNDS)

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from gearfem.diagnosis.approach import LOST, unwound
+from gearfem.diagnosis.approach import lost, reads_otherwise, unwound
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.index_errors import uneven
 from gearfem.diagnosis.mimic import mimicked
@@ -76,7 +76,10 @@ class Search:
         def one(start: Start) -> Fit | None:
             hopeless = further if base.effects and len(start[0]) > len(base.effects) else worth
             try:
-                return self.problem.fit(start[0], self.start(start, base), hopeless=hopeless)
+                effects, own = start
+                if own is not None and reads_otherwise(self.problem, base, effects):
+                    return again(copy.copy(self.problem), effects, own, hopeless=hopeless)
+                return self.problem.fit(effects, self.start(start, base), hopeless=hopeless)
             except (InputError, SolveError):
                 return None
 
@@ -90,8 +93,7 @@ class Search:
         """
         effects, own = start
         neutral = self.problem.unknowns.neutral(base.point.unknown)
-        far = (base.squares / self.problem.floor).max() > LOST
-        elsewhere = unwound(self.problem, effects, neutral) if far else []
+        elsewhere = unwound(self.problem, effects, neutral) if lost(self.problem, base) else []
         starts = (base.point.unknown, neutral, *([] if own is None else [own]), *elsewhere)
         return min(starts, key=lambda unknown: self.problem.left_at(effects, unknown))
 

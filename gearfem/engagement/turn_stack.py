@@ -20,8 +20,8 @@ Table = TypeVar("Table")
 Ints = NDArray[np.int64]
 
 BINS = 1024
-# A fine table takes 2 MB, a way or a coupling little: 0.4 GB at most.
-KEPT = 192
+# A fine table takes 2 MB, a way or a coupling little: 0.8 GB at most. Derivatives and trials of a fit need some hundred by turns.
+KEPT = 400
 _memory: OrderedDict[Hashable, Any] = OrderedDict()
 
 
