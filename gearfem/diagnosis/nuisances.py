@@ -80,8 +80,8 @@ SCALES = (
 )
 # Inertias are known to 2 %; what they swing on errs by more than its compliance in series does, some 3 % of natural frequencies squared.
 MOVING = (
-    Nuisance(name="inertia_scale", words="inertias", prior=math.hypot(0.02, 0.03), step=0.25),
-    Nuisance(name="damping_scale", words="damping ratio", prior=0.30, reach=3.0, cause=_damped),
+    Nuisance(name="inertia_scale", words="inertias", prior=math.hypot(0.02, 0.03), step=0.025),
+    Nuisance(name="damping_scale", words="damping ratio", prior=0.30, step=0.01, reach=3.0, cause=_damped),
 )
 # Mean stiffnesses of the models in use differ by some 10 %, however well they agree on its course over the pitch: of that of a usual mesh,
 # 20 N/(mm um) by ISO 6336-1 [N/m2].
@@ -131,7 +131,7 @@ def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[
     if any(not record.quantity.free_constant or record.quantity.moving for record in loaded):
         prior = SERIES / (USUAL_STIFFNESS * campaign.setup.pair.face_width)
         words = "compliance in series with the teeth that the model misses"
-        found.append(Nuisance(name="series_compliance", words=words, prior=prior, step=0.25, level=0.0, is_scale=False))
+        found.append(Nuisance(name="series_compliance", words=words, prior=prior, step=0.025, level=0.0, is_scale=False))
     assert quantities
     return tuple(found)
 
