@@ -1,0 +1,62 @@
+"""Derivatives over the parameters of effects, as fits take them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gearfem.diagnosis import parameters
+from gearfem.diagnosis.fit import jacobian
+from gearfem.diagnosis.problem import Problem
+from gearfem.effects.effect import Effect
+from gearfem.effects.pitting import Pitting
+from gearfem.effects.sensor_lag import SensorLag
+from gearfem.effects.tip_relief import TipRelief
+from gearfem.foundation import Array
+from gearfem.foundation.units import MM, UM
+from tests.recovery.rig import PLAN, beside_nuisances
+
+SLOW = PLAN["record"][-1]
+ACCELERATION = {"file": "motion.csv", "quantity": "pinion_angular_acceleration", "pinion_torque_Nm": 100.0, "pinion_speed_rpm": 40000.0} | {
+    "samples_per_turn": 520,
+    "turns": 1.4,
+}
+
+
+def over_much_shorter_steps(problem: Problem, effect: Effect, unknown: Array) -> Array:
+    """Return the whitened derivatives by central differences of a hundred-thousandth of the parameters' sizes."""
+    values, sizes = parameters.values((effect,)), parameters.sizes((effect,), problem.campaign.setup)
+    columns = []
+    for place, size in enumerate(1e-5 * sizes):
+        sides = []
+        for step in (size, -size):
+            ahead = values.copy()
+            ahead[place] += step
+            sides.append(problem.whiten(problem.predict(parameters.moved((effect,), ahead), unknown)))
+        columns.append((sides[0] - sides[1]) / (2.0 * size))
+    return np.column_stack(columns)
+
+
+@pytest.mark.parametrize(
+    ("effect", "record", "most"),
+    [
+        (Pitting(gear="pinion", tooth=3, depth=3.0 * UM, centre=7.0 * MM, width=4.0 * MM), SLOW, 0.3),
+        (TipRelief(gear="wheel", amount=14.0 * UM, length=2.5 * MM), SLOW, 0.1),
+        (SensorLag(delay=12e-6), ACCELERATION, 0.1),
+    ],
+    ids=["pit", "relief", "delay"],
+)
+def test_derivatives_are_those_of_what_is_predicted(tmp_path: Path, effect: Effect, record: dict[str, object], most: float) -> None:
+    """Steps ten times as long put those over a pit off by half, and those over a delay by more: fits stood still.
+
+    Contact leaps over the ends of a pit, so that some rows leap too as it moves: no step is short enough for these.
+    """
+    shown = beside_nuisances(tmp_path, [], [record])
+    problem, unknown = shown.problem, shown.base.point.stood
+    found = jacobian(problem, problem.at((effect,), unknown))[:, : len(effect.fitted())]
+    stood = problem.at((effect,), unknown).stood
+    exact = over_much_shorter_steps(problem, effect, stood)
+    apart = np.linalg.norm(found - exact, axis=0) / np.linalg.norm(exact, axis=0)
+    assert apart.max() < most, apart
