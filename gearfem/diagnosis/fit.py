@@ -209,13 +209,13 @@ def _ended(problem: Problem, point: Point, attained: float) -> Fit:
 
 
 def _eased(problem: Problem, fit: Fit) -> tuple[Point, float]:
-    """Return where a fit stands with undecided strengths halved while that costs little of what their effect explains, and what it attains.
+    """Return where a fit stands with strengths halved while that costs little of what their effect explains, and what it attains.
 
-    Those at a bound, and those that are not surely any by their deviations. A pit that takes all load off its part of a flank does nothing
-    more if it is deeper: nothing speaks for the deepest one.
+    Those at a bound, and those of single teeth: half of what acts in proportion costs a quarter. A pit that takes all load off its part of
+    a flank does nothing more if it is deeper: nothing speaks for the deepest one.
     """
     point, attained, setup = fit.point, fit.objective, problem.campaign.setup
-    for number, field in dict.fromkeys((*fit.bound, *_undecided(fit, setup))):
+    for number, field in dict.fromkeys((*fit.bound, *_of_single_teeth(fit))):
         before, after = point.effects[:number], point.effects[number + 1 :]
         if field not in point.effects[number].strengths() or point.effects[number].parameters()[field].reciprocal:
             continue
@@ -242,13 +242,11 @@ def _to_a_factor(fit: Fit, before: tuple[Effect, ...], setup: Setup) -> tuple[di
     return tuple(found)
 
 
-def _undecided(fit: Fit, setup: Setup) -> Iterator[tuple[int, str]]:
-    """Yield the strengths of single teeth that by their deviations may be none: number of the effect and field."""
-    for number, (effect, known) in enumerate(zip(fit.effects, fit.deviations, strict=True)):
+def _of_single_teeth(fit: Fit) -> Iterator[tuple[int, str]]:
+    """Yield the strengths of single teeth: number of the effect and field."""
+    for number, effect in enumerate(fit.effects):
         if effect.repeats == "one tooth":
-            yield from (
-                (number, field) for field, far in parameters.strengths(effect, setup).items() if far < parameters.SURE * known[field]
-            )
+            yield from ((number, field) for field in effect.strengths())
 
 
 def _little(objective: float) -> float:
