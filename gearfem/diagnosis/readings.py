@@ -68,7 +68,8 @@ def likeliest_readings(view: View, start: Effect) -> list[Effect]:
     gram, pull = view.freed(problem.whiten(added))
     gains = 2.0 * pull - np.diag(gram)
     found: list[Tried] = []
-    for number in np.argsort(-gains)[: np.count_nonzero(gains > 0.0)]:
+    # Where none gains, the first one tells what the records would show of it.
+    for number in np.argsort(-gains)[: max(np.count_nonzero(gains > 0.0), 1)]:
         one = tried[number]
         if len(found) < LIKELIEST and all(abs(one.place - other.place) > 1.0 for other in found):
             found.append(one)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -67,3 +68,10 @@ def test_a_gain_is_tried_at_its_usual_sizes(tmp_path: Path) -> None:
     usual = SensorGain.example(shown.problem.campaign.setup)
     tried = likeliest_readings(shown, usual)
     assert [one.describe() for one in tried] == [one.describe() for one in spread_of(usual, shown.problem.campaign.setup)]
+
+
+def test_what_gains_nothing_is_still_tried_once(tmp_path: Path) -> None:
+    """So that what records can show of it is said."""
+    shown = beside_nuisances(tmp_path, [], [SLOW, MOVING])
+    shown = dataclasses.replace(shown, freed=lambda vectors: (np.eye(vectors.shape[1]), np.zeros(vectors.shape[1])))
+    assert len(likeliest_readings(shown, SensorLag.example(shown.problem.campaign.setup))) == 1
