@@ -79,9 +79,7 @@ def test_a_name_that_beats_nothing_where_nobody_looked_is_withdrawn(
         (1.03, 1.2, 1.1, True, False),
         (1.07, 1.2, 1.1, True, True),
         (1.03, 1.05, 1.1, True, True),
-        (1.02, 1.05, 1.1, True, False),
-        (1.0, 1.01, 1.1, True, False),
-        (1.05, 1.05, 1.1, True, True),
+        (1.0, 1.01, 1.1, True, True),
         (1.07, 1.2, None, True, True),
         (1.07, 1.2, 0.92, True, False),
         (1.03, 1.01, 0.92, True, False),
@@ -89,10 +87,10 @@ def test_a_name_that_beats_nothing_where_nobody_looked_is_withdrawn(
         (1.03, 1.2, 0.92, False, True),
     ],
 )
-def test_waves_that_index_errors_hold_as_well_must_beat_them_where_nobody_looked(
+def test_waves_that_index_errors_hold_as_well_must_surely_beat_them_where_nobody_looked(
     found: Diagnosis, share: float, foretold: float, smooth: float | None, gapless: bool, stays: bool
 ) -> None:
-    """Or at least by half of what a right name would, however little that is; nor may a smooth correction do much better there."""
+    """Where records would show it, by two standard errors; nor may a smooth correction do much better there."""
     runout = Runout(gear="pinion", eccentricity=5.0 * UM, angle=0.0)
     naming = dataclasses.replace(found.naming, fit=dataclasses.replace(found.naming.fit, effects=(runout,)), without="no_discrepancy")
     proof = dataclasses.replace(found.proof, over_nuisances=share, foretold=foretold, over_smooth=smooth, stderr=0.02)
