@@ -20,8 +20,8 @@ from gearfem.sensing.motion import RINGING_ANGLES
 
 # Natural frequencies that are tried, closer to each other than the narrowest peak is wide; and multiples of the typical ratio.
 COUNT, RATIOS = 80, (0.3, 1.0, 3.0)
-# Delays that are tried, in parts of the shortest time between two pairs of teeth, and how many of these times they last at most.
-PARTS, LONGEST = 64, 6
+# Delays that are tried up to the shortest time between two pairs of teeth: what all teeth share comes back with that.
+PARTS = 64
 # Effects that are looked at further, by what their frequencies differ at least, and of the shortest time between pairs their delays;
 # pitches before a record in which resonances swing in.
 LIKELIEST, APART, LATER, BEFORE = 3, 1.25, 0.25, 300
@@ -96,10 +96,11 @@ def _resonances(start: Effect, frequency: str) -> list[Tried]:
 
 
 def _delays(view: View, start: Effect, delay: str) -> list[Tried]:
-    fastest = max(record.pinion_speed for record in view.problem.records if record.quantity.is_motion)
-    shortest = view.problem.campaign.setup.pair.pinion.pitch_angle / fastest
-    parts = (np.arange(1, PARTS * LONGEST + 1) / PARTS).tolist()
-    return [Tried(part / LATER, dataclasses.replace(start, **{delay: part * shortest})) for part in parts]
+    problem = view.problem
+    fastest = max(record.pinion_speed for record in problem.records if record.quantity.is_motion)
+    shortest = problem.campaign.setup.pair.pinion.pitch_angle / fastest
+    within = [dataclasses.replace(start, **{delay: part * shortest}) for part in (np.arange(1, PARTS + 1) / PARTS).tolist()]
+    return [Tried(getattr(effect, delay) / (LATER * shortest), effect) for effect in (*within, *spread_of(start, problem.campaign.setup))]
 
 
 def _added(view: View, record: Measurement, instruments: list[Instrument]) -> Array:

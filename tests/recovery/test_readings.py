@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis.candidate import View
-from gearfem.diagnosis.readings import APART, _added, likeliest_readings
+from gearfem.diagnosis.readings import APART, _added, _tried, likeliest_readings
 from gearfem.diagnosis.shapes import shapes_of, spread_of
 from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_gain import SensorGain
@@ -75,3 +75,15 @@ def test_what_gains_nothing_is_still_tried_once(tmp_path: Path) -> None:
     shown = beside_nuisances(tmp_path, [], [SLOW, MOVING])
     shown = dataclasses.replace(shown, freed=lambda vectors: (np.eye(vectors.shape[1]), np.zeros(vectors.shape[1])))
     assert len(likeliest_readings(shown, SensorLag.example(shown.problem.campaign.setup))) == 1
+
+
+def test_no_delay_is_tried_that_means_over_the_pitch_take_for_a_shorter_one(tmp_path: Path) -> None:
+    """But for usual sizes: a delay of 109 us was taken for one of 2.7 ms, a pitch later, and single teeth were then missed."""
+    fast = MOVING | {"pinion_speed_rpm": 71000.0}
+    shown = beside_nuisances(tmp_path, [], [SLOW, fast])
+    usual = SensorLag.example(setup := shown.problem.campaign.setup)
+    tried = [effect.delay for _, effect in _tried(shown, usual) if isinstance(effect, SensorLag)]
+    pitch = 60.0 / 71000.0 / setup.pair.pinion.teeth
+    longer = {delay for delay in tried if delay > pitch * (1.0 + 1e-12)}
+    assert longer < {effect.delay for effect in spread_of(usual, setup) if isinstance(effect, SensorLag)}
+    assert len(tried) == 68
