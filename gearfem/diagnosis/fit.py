@@ -192,12 +192,11 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
             if worse == WORSE:
                 break
     problem.__dict__.update(there.__dict__)
-    found = _ended(problem, best, least)
-    eased, least = _eased(problem, found)
-    if eased is found.point:
+    eased, least = _eased(problem, best, least)
+    found = _ended(problem, eased, least)
+    if eased is best:
         return found
-    halved = _ended(problem, eased, least)
-    return dataclasses.replace(halved, deviations=_to_a_factor(halved, found.effects, problem.campaign.setup))
+    return dataclasses.replace(found, deviations=_to_a_factor(found, best.effects, problem.campaign.setup))
 
 
 def _ended(problem: Problem, point: Point, attained: float) -> Fit:
@@ -208,14 +207,14 @@ def _ended(problem: Problem, point: Point, attained: float) -> Fit:
     return _standing(problem, point, attained, jacobian(problem, point))
 
 
-def _eased(problem: Problem, fit: Fit) -> tuple[Point, float]:
-    """Return where a fit stands with strengths halved while that costs little of what their effect explains, and what it attains.
+def _eased(problem: Problem, point: Point, attained: float) -> tuple[Point, float]:
+    """Return a point that attains so much with strengths halved while that costs little of what their effect explains, and what it attains.
 
     Those at a bound, and those of single teeth: half of what acts in proportion costs a quarter. A pit that takes all load off its part of
     a flank does nothing more if it is deeper: nothing speaks for the deepest one.
     """
-    point, attained, setup = fit.point, fit.objective, problem.campaign.setup
-    for number, field in dict.fromkeys((*fit.bound, *_of_single_teeth(fit))):
+    setup = problem.campaign.setup
+    for number, field in dict.fromkeys((*parameters.at_bounds(point.effects, setup), *_of_single_teeth(point.effects))):
         before, after = point.effects[:number], point.effects[number + 1 :]
         if field not in point.effects[number].strengths() or point.effects[number].parameters()[field].reciprocal:
             continue
@@ -242,9 +241,9 @@ def _to_a_factor(fit: Fit, before: tuple[Effect, ...], setup: Setup) -> tuple[di
     return tuple(found)
 
 
-def _of_single_teeth(fit: Fit) -> Iterator[tuple[int, str]]:
+def _of_single_teeth(effects: tuple[Effect, ...]) -> Iterator[tuple[int, str]]:
     """Yield the strengths of single teeth: number of the effect and field."""
-    for number, effect in enumerate(fit.effects):
+    for number, effect in enumerate(effects):
         if effect.repeats == "one tooth":
             yield from ((number, field) for field in effect.strengths())
 

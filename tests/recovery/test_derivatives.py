@@ -54,9 +54,9 @@ def test_derivatives_are_those_of_what_is_predicted(tmp_path: Path, effect: Effe
     Contact leaps over the ends of a pit, so that some rows leap too as it moves: no step is short enough for these.
     """
     shown = beside_nuisances(tmp_path, [], [record])
-    problem, unknown = shown.problem, shown.base.point.stood
-    found = jacobian(problem, problem.at((effect,), unknown))[:, : len(effect.fitted())]
-    stood = problem.at((effect,), unknown).stood
-    exact = over_much_shorter_steps(problem, effect, stood)
+    problem = shown.problem
+    point = problem.at((effect,), shown.base.point.stood)
+    found = jacobian(problem, point)[:, : len(effect.fitted())]
+    exact = over_much_shorter_steps(problem, effect, point.stood)
     apart = np.linalg.norm(found - exact, axis=0) / np.linalg.norm(exact, axis=0)
     assert apart.max() < most, apart

@@ -97,9 +97,8 @@ def test_nothing_speaks_for_the_deepest_pit_if_a_shallower_one_does_as_much(camp
     deepest = Pitting(gear="pinion", tooth=3, depth=depth * UM, centre=7.0 * MM, width=1.5 * MM)
     bound = parameters.at_bounds((deepest,), problem.campaign.setup)
     assert bound == (((0, "depth"),) if depth == 300.0 else ())
-    fit: Any = SimpleNamespace(effects=(deepest,), bound=bound, objective=100.0)
-    fit.point = problem.at((deepest,), np.zeros(3), np.ones(2))
-    point, attained = _eased(problem, fit)
+    stood: Any = problem.at((deepest,), np.zeros(3), np.ones(2))
+    point, attained = _eased(problem, stood, 100.0)
     assert point.effects[0].depth == pytest.approx(ends * UM, rel=1e-12, abs=0.0)  # type: ignore[attr-defined]
     assert attained == 100.0
 
