@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -57,14 +58,19 @@ def _ranked(outline: Outline, on_flank: int, on_round: int) -> Ranked:
     return Ranked(u, x, y, np.hypot(x, y), np.arctan2(y, x))
 
 
+@functools.cache
+def kernel() -> ModuleType:
+    """Return the compiled search; the first call of a process loads the compiler (or its cached code)."""
+    from gearfem.engagement import search_kernel as module
+
+    return module
+
+
 def _standing(wheel: Outline, distance: float, axis1: Array, x: Array, y: Array) -> tuple[Array, Array]:
     """Return R2 and the angle axis2 that each pinion point asks for, infinite where the wheel has no point; by table."""
     table = _ranked(wheel, *RANKED)
-    cosine, sine = np.cos(axis1)[:, None], np.sin(axis1)[:, None]
-    across, along = distance - (x * cosine - y * sine), -(x * sine + y * cosine)
-    radius = np.sqrt(across**2 + along**2)
-    axis2 = np.arctan2(along, across) - np.interp(radius, table.radius, table.polar)
-    axis2[(radius < table.radius[0]) | (radius > table.radius[-1])] = np.inf
+    radius, axis2 = np.empty((2, len(axis1), x.shape[-1]))
+    kernel().stand(distance, axis1, np.atleast_2d(x), np.atleast_2d(y), table.radius, table.polar, radius, axis2)
     return radius, axis2
 
 
@@ -94,20 +100,18 @@ def find_candidates(pinion: Outline, wheel: Outline, distance: float, axis1: Arr
     """
     grid = _ranked(pinion, ON_FLANK, ON_ROUND)
     radius, axis2 = _standing(wheel, distance, axis1, grid.x, grid.y)
-    u = np.broadcast_to(grid.u, axis2.shape)
     # The wheel's round is met within a narrow part of the pinion's outline, which gets points of its own.
-    low, high = np.minimum(radius[:, :-1], radius[:, 1:]), np.maximum(radius[:, :-1], radius[:, 1:])
-    over = (high >= wheel.flank_end_radius) & (low <= wheel.gear.tip_radius)
-    rows = np.flatnonzero(over.any(axis=1))
-    first = np.maximum(np.argmax(over[rows], axis=1) - 1, 0)
-    last = np.minimum(over.shape[1] - np.argmax(over[rows, ::-1], axis=1) + 1, len(grid.u) - 1)
+    first, last = np.empty((2, len(axis1)), np.intp)
+    kernel().met_within(radius, wheel.flank_end_radius, wheel.gear.tip_radius, first, last)
+    rows = np.flatnonzero(first >= 0)
+    first, last = first[rows], last[rows]
     fine = np.linspace(grid.u[first], grid.u[last], OVER_ROUND, axis=1)
     dense = _ranked(pinion, *RANKED)
     _, fine2 = _standing(wheel, distance, axis1[rows], np.interp(fine, dense.u, dense.x), np.interp(fine, dense.u, dense.y))
     lowest = axis2.min(axis=1)
     np.minimum.at(lowest, rows, fine2.min(axis=1))
     lowest = lowest + within
-    wide, _ = _minima(u, axis2, np.arange(len(axis1)), lowest)
+    wide, _ = _minima(grid.u, axis2, np.arange(len(axis1)), lowest)
     narrow, _ = _minima(fine, fine2, rows, lowest)
     tangent = _joined(wide, narrow)
     closer = np.linspace(tangent.low, tangent.high, ZOOMED, axis=1)
@@ -131,15 +135,10 @@ def taken(found: Candidates, which: NDArray[Any]) -> Candidates:
 
 def _minima(u: Array, axis2: Array, rows: NDArray[np.intp], lowest: Array) -> tuple[Candidates, NDArray[np.intp]]:
     """Return the local minima that may be the least of their angle, if convex between samples, and their rows here."""
-    fence = np.full((len(axis2), 1), np.inf)
-    before, after = np.concatenate([fence, axis2[:, :-1]], axis=1), np.concatenate([axis2[:, 1:], fence], axis=1)
-    row, column = np.nonzero(np.isfinite(axis2) & (axis2 <= before) & (axis2 < after))
-    middle = axis2[row, column]
-    fall = np.maximum(before[row, column] - middle, after[row, column] - middle)
-    keep = middle - fall <= lowest[rows[row]]
-    row, column = row[keep], column[keep]
-    low, high = u[row, np.maximum(column - 1, 0)], u[row, np.minimum(column + 1, u.shape[1] - 1)]
-    return Candidates(rows[row], low, high, u[row, column], np.full(row.size, TANGENT)), row
+    row, column = kernel().minima(axis2, lowest[rows])
+    here = np.broadcast_to(u, axis2.shape)
+    low, high = here[row, np.maximum(column - 1, 0)], here[row, np.minimum(column + 1, here.shape[1] - 1)]
+    return Candidates(rows[row], low, high, here[row, column], np.full(row.size, TANGENT)), row
 
 
 def _shelves(grid: Ranked, axis2: Array, lowest: Array) -> Candidates:

@@ -23,7 +23,9 @@ from gearfem.foundation import Array, Record, SolveError
 
 # Width of the first cell beside a kink in pitches.
 FINEST = 4e-5
-SEARCH, SECTIONS, ROUNDS = 200, 40, 4
+# Steps to the pitch in which kinks are sought, sections of each in every round, and rounds: they are known to 2e-9 pitches then, and knots
+# on them are moved this far off.
+SEARCH, SECTIONS, ROUNDS, CLEAR = 200, 16, 5, 1e-8
 # Change of the logarithm of the radius over a cell from which on the cell is divided.
 BEND, MOST_PARTS = 0.03, 8
 # A contact point that moves this many times farther in a step than the median has jumped.
@@ -143,7 +145,7 @@ def pair_table(mesh: Mesh, number: int, way: Way | None = None) -> PairTable:
 
     Notes
     -----
-    Between kinks (ends of the path, ends of the tip rounds, jumps of the contact point), found by section to 1e-9 pitches,
+    Between kinks (ends of the path, ends of the tip rounds, jumps of the contact point), found by section to 1e-8 pitches,
     splines run over cells that shrink towards the kinks, since the law changes there over the half width of the contact.
     Levels are exact: samples of the law at given loads start Newton's method at each level. Between knots and levels the load errs by
     2e-5 where the band just meets an edge, by 2e-6 in 99 of 100 places (tests/truth/test_turns.py).
@@ -310,7 +312,7 @@ def _split(knots: Array, rough: Rough) -> Array:
 def _inside(knots: Array) -> Array:
     """Return knots with the ends moved in, clear of the kinks that they lie on."""
     moved = knots.copy()
-    shift = min(1e-8, 1e-3 * float(np.diff(knots).min()))
+    shift = min(CLEAR, 1e-3 * float(np.diff(knots).min()))
     moved[0], moved[-1] = knots[0] + shift, knots[-1] - shift
     return moved
 

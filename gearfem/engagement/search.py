@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import functools
-from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gearfem.engagement.candidates import EDGE1, EDGE2, NOWHERE, SHELF, TANGENT, Candidates, find_candidates, taken
+from gearfem.engagement.candidates import EDGE1, EDGE2, NOWHERE, SHELF, TANGENT, Candidates, find_candidates, kernel, taken
 from gearfem.engagement.corners import Touch, rigid_ratio
 from gearfem.flank import Outline
 from gearfem.flank.outline import FLANK, LOADED_END, ROUND
@@ -169,14 +167,6 @@ def _refined(pinion: Outline, wheel: Outline, placement: Placement, axis1: Array
     if failed:
         raise SolveError(f"the contact point of two worn flanks did not converge at {failed} of {len(u)} places")
     return _meet(pinion, wheel, distance, axis1[row], u, kind == EDGE2)
-
-
-@functools.cache
-def kernel() -> ModuleType:
-    """Return the compiled search; the first call of a process loads the compiler (or its cached code)."""
-    from gearfem.engagement import search_kernel as module
-
-    return module
 
 
 def _first(candidates: Candidates, met: Meeting, shelf: bool = False) -> tuple[Candidates, Meeting]:

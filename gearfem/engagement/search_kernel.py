@@ -1,9 +1,11 @@
-"""Compiled refinement of the places where two teeth may touch; imported when worn teeth are first searched, never with gearfem."""
+"""Compiled search for the places where two teeth touch; imported when worn teeth are first searched, never with gearfem."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
+
+import numpy as np
 
 from gearfem.engagement.candidates import EDGE2, NOWHERE, SHELF
 from gearfem.engagement.turn_kernels import compiled, inlined
@@ -81,6 +83,60 @@ def at_radius(curve: Any, radius: float) -> float:
         if step < 1e-15:
             break
     return float(max(FLANK + (roll - curve.flank_start) / (curve.flank_end - curve.flank_start), FLANK))
+
+
+@compiled
+def stand(distance: float, axis1: Any, x: Any, y: Any, table: Any, polar: Any, radius: Any, axis2: Any) -> None:
+    """Set R2 and axis2 (n, m), infinite where the wheel has no point, of pinion points (1 or n, m) at angles (n,), see `search_contacts`.
+
+    The wheel's polar angle goes by a table over its rising radii.
+    """
+    last = len(table) - 1
+    for i in range(len(axis1)):
+        cosine, sine, points, cell = math.cos(axis1[i]), math.sin(axis1[i]), i if len(x) > 1 else 0, 0
+        for j in range(x.shape[1]):
+            across = distance - (x[points, j] * cosine - y[points, j] * sine)
+            along = -(x[points, j] * sine + y[points, j] * cosine)
+            here = math.sqrt(across * across + along * along)
+            radius[i, j], axis2[i, j] = here, np.inf
+            if table[0] <= here <= table[last]:
+                # Points of an outline lie beside each other, and so do their cells.
+                while cell > 0 and here < table[cell]:
+                    cell -= 1
+                while cell < last - 1 and here >= table[cell + 1]:
+                    cell += 1
+                slope = (polar[cell + 1] - polar[cell]) / (table[cell + 1] - table[cell])
+                axis2[i, j] = math.atan2(along, across) - (slope * (here - table[cell]) + polar[cell])
+
+
+@compiled
+def met_within(radius: Any, low: float, high: float, first: Any, last: Any) -> None:
+    """Set the first and last points, one beyond, between which an outline passes radii from low to high; -1 where it does not."""
+    end = radius.shape[1] - 1
+    for i in range(len(radius)):
+        first[i] = last[i] = -1
+        for j in range(end):
+            one, other = radius[i, j], radius[i, j + 1]
+            if max(one, other) >= low and min(one, other) <= high:
+                if first[i] < 0:
+                    first[i] = max(j - 1, 0)
+                last[i] = min(j + 2, end)
+
+
+@compiled
+def minima(axis2: Any, lowest: Any) -> Any:
+    """Return rows and columns of the local minima of samples (n, m) that may be as low as a value (n,), if convex between samples."""
+    end = axis2.shape[1] - 1
+    place = np.empty((2, axis2.size // 2 + len(axis2)), np.intp)
+    count = 0
+    for i in range(len(axis2)):
+        for j in range(end + 1):
+            here = axis2[i, j]
+            before, after = axis2[i, j - 1] if j > 0 else np.inf, axis2[i, j + 1] if j < end else np.inf
+            if here < np.inf and here <= before and here < after and here - (max(before, after) - here) <= lowest[i]:
+                place[0, count], place[1, count] = i, j
+                count += 1
+    return place[0, :count].copy(), place[1, :count].copy()
 
 
 @compiled

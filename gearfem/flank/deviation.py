@@ -56,6 +56,10 @@ class Deviation(Record):
     def _spline(self) -> CubicSpline:
         return CubicSpline(self.roll, self.depth)
 
+    @cached_property
+    def _last_slope(self) -> float:
+        return float(self._spline(self.roll[-1], 1))
+
     @property
     def cubics(self) -> tuple[float, float, Array]:
         """First roll length and length of the cells of the spline [m], and its cubics (n - 1, 4), highest power first."""
@@ -65,8 +69,7 @@ class Deviation(Record):
     def at(self, roll: ArrayLike) -> Array:
         """Return the depth [m] at roll lengths [m]."""
         roll = np.asarray(roll, float)
-        last = self.roll[-1]
-        return np.asarray(self._inside(roll, 0) + np.maximum(roll - last, 0.0) * self._spline(last, 1))
+        return np.asarray(self._inside(roll, 0) + np.maximum(roll - self.roll[-1], 0.0) * self._last_slope)
 
     def slope(self, roll: ArrayLike) -> Array:
         """Return the first derivative over the roll length."""

@@ -147,7 +147,7 @@ class Outline(Record):
         """Whether fillet and flank meet in an edge: by undercut, or by wear that begins with a slope at the form circle."""
         return self.undercut_turn > SMALLEST_EDGE
 
-    @property
+    @cached_property
     def undercut_turn(self) -> float:
         """Angle [rad] by which the outline turns at the edge between fillet and flank; 0 without undercut."""
         last, _ = self._cut.end
@@ -161,7 +161,7 @@ class Outline(Record):
         """Roll length [m] at which the flank begins (form circle)."""
         return self._side.start(self._cut.end[1])
 
-    @property
+    @cached_property
     def form_radius(self) -> float:
         """Root form radius [m], where fillet and flank meet; wear leaves it."""
         return math.hypot(self.gear.base_radius, self._cut.end[1])
@@ -175,7 +175,7 @@ class Outline(Record):
         """Roll length [m] at which the flank passes into the tip round."""
         return self._end[0]
 
-    @property
+    @cached_property
     def flank_end_radius(self) -> float:
         """Tip form radius [m], where the flank passes into the tip round."""
         return float(self._side.place(np.array(self.flank_end))[0])
