@@ -127,9 +127,9 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     Returns
     -------
     Problem
-        Records over the teeth of a gear, which hold nothing that all teeth share, are left out, and those of which means tell nothing
-        (`Problem.untold`); so is the largest Kw of turns beside other
-        motions, which costs most and is missed by so much that it adds nothing.
+        Records over the teeth of a gear, which hold nothing that all teeth share, are left out, those of which means tell nothing
+        (`Problem.untold`), and erratic motions; so is the largest Kw of turns beside other motions, which costs most and is missed by so
+        much that it adds nothing.
 
     Notes
     -----
@@ -139,12 +139,12 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     to tooth, and so far smaller: see `SLOW` and its neighbours.
     """
     campaign = problem.campaign
-    moving = any(record.quantity.moving and all_but_largest(record.quantity) for record in problem.records)
+    moving = any(record.quantity.moving and all_but_largest(record.quantity) and not record.erratic for record in problem.records)
     over = (i for i, record in enumerate(problem.records) if record.quantity.axis != "tooth")
-    told = (i for i in over if problem.records[i].file not in problem.untold)
+    told = (i for i in over if problem.records[i].file not in problem.untold and not problem.records[i].erratic)
     kept = [i for i in told if not moving or all_but_largest(problem.records[i].quantity)]
     records = tuple(problem.records[i] for i in kept)
-    noises = tuple(_mean(record, problem.noises[i], campaign.setup.pair) for record, i in zip(records, kept, strict=True))
+    noises = tuple(mean_of(record, problem.noises[i], campaign.setup.pair) for record, i in zip(records, kept, strict=True))
 
     known, scatter = (*problem.known, *effects), problem.unknowns.scatter
 
@@ -159,7 +159,7 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
     found.counts = np.array([float(len(noise.whitener.apply(record.value))) for record, noise in zip(records, noises, strict=True)])
     usual = bench(())
     found.floor = np.array(
-        [_floor(record, noise, usual.pair, hammering(record, usual, settings)) for record, noise in zip(records, noises, strict=True)]
+        [floor_of(record, noise, usual.pair, hammering(record, usual, settings)) for record, noise in zip(records, noises, strict=True)]
     )
     return found
 
@@ -187,7 +187,7 @@ def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect,
     found = Problem(problem.campaign, records, noises, bench=problem.make, unknowns=unknowns, known=(*problem.known, *effects))
     found.least = SINGLE
     usual = found.bench(())
-    apart = np.array([hammering(record, usual, settings) for record in records])
+    apart = np.array([1.0 if record.erratic else hammering(record, usual, settings) for record in records])
     course = np.array([np.std(record.value[record.keep]) / noise.std for record, noise in zip(records, noises, strict=True)])
     found.floor += apart * np.maximum(1.0 + (ANY * course) ** 2 - found.floor, 0.0)
     return found
@@ -257,7 +257,7 @@ def bare(rows: Problem, unknown: Array, times: int = AGAIN) -> Fit:
     return rows.fit((), fit.point.stood, rounds=1)
 
 
-def _mean(record: Measurement, noise: Noise, pair: GearPair) -> Noise:
+def mean_of(record: Measurement, noise: Noise, pair: GearPair) -> Noise:
     """Return the noise of the mean of a record; that of the record itself where it is not over the angle."""
     if record.quantity.axis != "angle":
         return noise
@@ -307,7 +307,7 @@ def hammering(record: Measurement, bench: SystemBench, settings: Settings) -> fl
     return float(np.interp(np.mean(swing.stiffness == 0.0), (APART, HAMMERS), (0.0, 1.0)))
 
 
-def _floor(record: Measurement, noise: Noise, pair: GearPair, hammering: float) -> float:
+def floor_of(record: Measurement, noise: Noise, pair: GearPair, hammering: float) -> float:
     """Return the least mean square of the rows of a mean that a model of finite accuracy can be expected to leave.
 
     What it misses is like the course of the mean or rougher: what has been made white where noise is smooth shows as much of either.

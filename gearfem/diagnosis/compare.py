@@ -18,6 +18,7 @@ from gearfem.diagnosis.bench import Settings, neutral
 from gearfem.diagnosis.branches import FAR, nearest
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.comparison import Compared, Comparison, Shift
+from gearfem.diagnosis.erratic import marked
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.measurement import Measurement
@@ -71,7 +72,8 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     nuisances and errors of the model come from the means over the pitches (`averaged`), and index errors and waviness from the records row
     by row (`of_single_teeth`), by turns: in the means the slow records come first, then the compliance in series and the damping that suit
     motions, then all, from several places where nuisances stray. Those that do the work of a missing effect still do then, see `screened`.
-    Where another steady motion than that from rest meets a record (`nearest`), all of this is done again.
+    Where another steady motion than that from rest meets a record (`nearest`), all of this is done again. Erratic motions, marked after the
+    rough fit, are left out of the means.
     """
     if not isinstance(campaign, Campaign):
         raise InputError("campaign", f"{campaign!r:.60}", "a Campaign, from read_campaign(...)")
@@ -88,6 +90,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     found = fit_from(rough, level, ROUGH)
     explained = (record.value - left for record, left in zip(records, found.left, strict=True))
     noises = tuple(measure_noise(record, pair, part) for record, part in zip(records, explained, strict=True))
+    records = marked(records, noises, rough.bench(()), found.settings)
     problem = Problem(campaign, records, noises, scatter or Scatter(terms=TERMS), make)
     # Solid elements for leads, before the work is shared out: what children compute is lost with them.
     problem.predict((), problem.unknowns.of(dataclasses.replace(level, errors=(1.0,) * len(problem.bench(()).errors))))
@@ -122,7 +125,9 @@ def _begun(problem: Problem, alone: Fit) -> tuple[Measurement, ...]:
     pitch = problem.campaign.setup.pair.pinion.pitch_angle
     expected = [noise.std * math.sqrt(floor) for noise, floor in zip(problem.noises, problem.floor, strict=True)]
     sized = zip(problem.records, expected, strict=True)
-    return tuple(nearest(one, FAR * size, left(one), left, pitch) if one.quantity.is_motion else one for one, size in sized)
+    return tuple(
+        nearest(one, FAR * size, left(one), left, pitch) if one.quantity.is_motion and not one.erratic else one for one, size in sized
+    )
 
 
 def _of_parts(problem: Problem, records: tuple[Measurement, ...]) -> Problem:

@@ -39,7 +39,7 @@ def untold(problem: Problem, naming: Naming) -> tuple[str, ...]:
     fits, found = (naming.alone, naming.fit), []
     benches = [problem.bench(fit.effects) for fit in fits]
     for record in problem.records:
-        if not any(hammering(record, bench, fit.settings) > 0.0 for bench, fit in zip(benches, fits, strict=True)):
+        if record.erratic or not any(hammering(record, bench, fit.settings) > 0.0 for bench, fit in zip(benches, fits, strict=True)):
             continue
         before, after = (_rms(problem, record, fit) for fit in fits)
         if after > WORSE * before:

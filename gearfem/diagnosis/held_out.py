@@ -53,7 +53,8 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     if naming.fit.effects and proof.over_fitted is not None and proof.over_fitted < UNMET:
         return _withdrawn(naming, naming.without if sound else "unexplained", "more", records="the records that were fitted")
     over, foretold, doubt = proof.over_nuisances, proof.foretold or 1.0, SURE * (proof.stderr or 0.0)
-    far = [gap for gap in proof.of("holdout") if gap.rms(gap.after) > OPEN * gap.expected_rms]
+    held = [gap for gap in proof.of("holdout") if not gap.measurement.erratic]
+    far = [gap for gap in held if gap.rms(gap.after) > OPEN * gap.expected_rms]
     if naming.fit.effects and over is not None:
         surely = over + doubt < 1.0
         worse = over < (WORSE if sound else FAR_WORSE) and surely
@@ -67,7 +68,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
             return _withdrawn(naming, "unexplained", "more")
         if not better and (proof.over_smooth or 1.0) < SMOOTHER:
             return _withdrawn(naming, "unexplained", "not surely less", _smooth(proof))
-    wide = [gap for gap in proof.of("holdout") if gap not in far and gap.rms(gap.after) > OPEN * gap.floor_rms]
+    wide = [gap for gap in held if gap not in far and gap.rms(gap.after) > OPEN * gap.floor_rms]
     if naming.fit.effects and wide:
         reason = f"Records held out ({_files(wide)}) are foretold no better than the parameters are known."
         naming = dataclasses.replace(naming, reasons=(*naming.reasons, reason))

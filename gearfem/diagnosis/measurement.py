@@ -51,6 +51,8 @@ class Measurement(Record):
         Whether the campaign says so itself.
     kick : (float, float)
         How its motion begins, see `gearfem.dynamics.turns.march_turns`: nobody noted it, and several motions may be steady.
+    erratic : bool
+        Whether the model foretells no such motion, see `gearfem.diagnosis.erratic`: its mean counts for nothing.
     """
 
     file: str
@@ -68,6 +70,7 @@ class Measurement(Record):
     role: Role = "fit"
     role_given: bool = False
     kick: tuple[float, float] = (0.0, 0.0)
+    erratic: bool = False
 
     @property
     def to_file(self) -> float:

@@ -77,7 +77,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     row (`of_single_teeth`). Beside those the first kind is judged anew, or selected anew where any of the second was found, and those
     judged anew beside it. What means name nothing of is asked from the slow records row by row (`row_by_row`). Campaigns without a record
     over the pinion angle have no means and are searched once for all effects. Motions that hammer, and whose rows the names by their means
-    leave worse than nuisances alone do, are left out of the means (`untold`).
+    leave worse than nuisances alone do, are left out of the means (`untold`), as erratic motions are.
     """
     if not has_means(problem):
         return select(problem, alone, kinds, progress)

@@ -15,6 +15,7 @@ from gearfem.diagnosis import parameters
 from gearfem.diagnosis.bench import neutral
 from gearfem.diagnosis.branches import FAR, nearest
 from gearfem.diagnosis.calibrate import calibrated
+from gearfem.diagnosis.erratic import erratic, said
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.largest import at_peaks, expected
 from gearfem.diagnosis.measurement import Left, Measurement, left_of
@@ -166,7 +167,8 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     Notes
     -----
     On each record, of either role, only what it leaves unknown is fitted: its constant, its first tooth where that is unknown, and, held
-    out, which of several steady motions it shows, see `nearest`; one that was fitted begins as it was fitted. The floor is noise and
+    out, which of several steady motions it shows, see `nearest`; one that was fitted begins as it was fitted. Erratic motions say nothing
+    for or against a name. The floor is noise and
     waviness of single teeth as the fit has it, its own uncertainty included. A record held out counts by that floor and by how well the
     parameters of the named effects foretell it: near a resonance a small doubt about one changes all.
     """
@@ -182,8 +184,10 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
         record = known.get(stated.file, stated)
         parts = [left_of(record, system) for system in systems]
         noise = noise_of.get(record.file) or measure_noise(record, setup.pair, record.value - parts[-1][0])
+        if record.file not in known:
+            record = dataclasses.replace(record, erratic=erratic(record, noise, bench, fit.settings))
         floor = _floor(problem, fit, bench, record, noise, waviness)
-        if record.role == "holdout":
+        if record.role == "holdout" and not record.erratic:
             begun = [_begun(record, floor, part, system) for part, system in zip(parts, systems, strict=True)]
             if begun[-1][0] is not record:
                 record = begun[-1][0]
@@ -266,10 +270,11 @@ def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, 
 
 
 def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
-    held, fitted = ([gap for gap in gaps if gap.role == role] for role in ("holdout", "fit"))
+    held, fitted = ([gap for gap in gaps if gap.role == role and not gap.measurement.erratic] for role in ("holdout", "fit"))
     over_fitted = _over(fitted) if named and any(gap.measurement.quantity.axis == "angle" for gap in fitted) else None
     still = tuple(_wide(gap) for gap in gaps if gap.rms(gap.after) > WIDE * gap.floor_rms)
     words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named and not held else ()
+    still = (*still, *said([gap.measurement for gap in gaps]))
     if not held or not named:
         return Proof(records=gaps, over_fitted=over_fitted, reasons=(*words, *still))
     after, over_nuisances = _pooled([(gap, gap.after) for gap in held]), _over(held)

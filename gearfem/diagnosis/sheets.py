@@ -58,11 +58,12 @@ def sheets_of(problem: Problem, angle_offset: float) -> list[Sheet]:
     Returns
     -------
     list of Sheet
-        Of each record zones and cells of the mesh phase, teeth of both gears and lines of the order spectrum; then fixed frequencies.
+        Of each record zones and cells of the mesh phase, teeth of both gears and lines of the order spectrum; then fixed frequencies. None
+        of erratic motions.
     """
-    pair, rows = problem.campaign.setup.pair, problem.linear.rows
-    sheets = [sheet for record, own in zip(problem.records, rows, strict=True) for sheet in _of_record(record, own, pair, angle_offset)]
-    return sheets + _frequencies(problem.records, rows)
+    pair = problem.campaign.setup.pair
+    told = [(record, own) for record, own in zip(problem.records, problem.linear.rows, strict=True) if not record.erratic]
+    return [sheet for record, own in told for sheet in _of_record(record, own, pair, angle_offset)] + _frequencies(told)
 
 
 def _of_record(measurement: Measurement, rows: slice, pair: GearPair, angle_offset: float) -> list[Sheet]:
@@ -121,9 +122,9 @@ def _order_sheet(file: str, rows: slice, angle: Array, pair: GearPair) -> Sheet:
     )
 
 
-def _frequencies(records: tuple[Measurement, ...], rows: tuple[slice, ...]) -> list[Sheet]:
+def _frequencies(told: list[tuple[Measurement, slice]]) -> list[Sheet]:
     """Bands of fixed frequency over all records taken at speed: a resonance of sensor or shaft stands still where orders move."""
-    moving = [(r, own) for r, own in zip(records, rows, strict=True) if r.quantity.is_motion]
+    moving = [(record, own) for record, own in told if record.quantity.is_motion]
     if len({round(record.pinion_speed / RPM, 3) for record, _ in moving}) < 2:
         return []
     # Samples in a second of each record.

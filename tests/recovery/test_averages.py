@@ -19,13 +19,13 @@ from gearfem.diagnosis.averages import (
     MISSED,
     PLACES,
     SLOW,
-    _floor,
     _lines,
-    _mean,
     _sooner_or_later,
     all_but_largest,
     averaged,
+    floor_of,
     hammering,
+    mean_of,
     of_single_teeth,
     of_teeth,
     shows_in_means,
@@ -105,8 +105,8 @@ def test_motions_whose_flanks_hammer_may_be_missed_by_more(scattered: Comparison
     late = dataclasses.replace(neutral(pair), pinion_late=np.tile([60.0 * UM, 0.0], 7)[:13])
     assert [hammering(one, bench, settings) for one, settings in ((fast, neutral(pair)), (fast, late), (record, late))] == [0.0, 1.0, 0.0]
     noise = scattered.problem.noises[0]
-    mean = _mean(fast, noise, pair)
-    held, parted = (_floor(fast, mean, pair, parts) for parts in (0.0, 1.0))
+    mean = mean_of(fast, noise, pair)
+    held, parted = (floor_of(fast, mean, pair, parts) for parts in (0.0, 1.0))
     assert (parted - 1.0) / (held - 1.0) == pytest.approx((HAMMERING / MISSED["dynamic_transmission_error"]) ** 2, rel=1e-9, abs=0.0)
 
 
@@ -150,17 +150,17 @@ def test_what_a_model_may_miss_is_rough_where_noise_is_smooth(scattered: Compari
     noise = scattered.problem.noises[0]
     covariance = noise.covariance[0] * 0.8 ** np.arange(2)
     smooth = dataclasses.replace(noise, covariance=covariance, whitener=make_whitener(covariance, record.keep))
-    mean, lines = _mean(record, smooth, pair), _lines(record, pair)
+    mean, lines = mean_of(record, smooth, pair), _lines(record, pair)
     ways = orth(lines)
     course = ways @ (ways.T @ (record.value - record.value.mean()))
     missed = SLOW * np.std(course) * np.random.default_rng(3).standard_normal((PLACES, 200))
     left = np.mean(mean.whitener.apply(lines @ missed) ** 2)
-    assert _floor(record, mean, pair, hammering=0.0) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
+    assert floor_of(record, mean, pair, hammering=0.0) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
     assert left > 2.0 * SLOW**2 * np.mean(mean.whitener.apply(course) ** 2)
     keep = np.arange(len(record.axis)) != 50
     masked = dataclasses.replace(record, keep=keep, value=np.where(keep, record.value, 1e-3))
     smooth = dataclasses.replace(smooth, whitener=make_whitener(covariance, keep))
-    assert _floor(masked, _mean(masked, smooth, pair), pair, hammering=0.0) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
+    assert floor_of(masked, mean_of(masked, smooth, pair), pair, hammering=0.0) - 1.0 == pytest.approx(left, rel=0.1, abs=0.0)
 
 
 def test_the_largest_kw_of_turns_is_none_of_the_means_beside_other_motions(scattered: Comparison) -> None:
