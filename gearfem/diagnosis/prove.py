@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 from scipy.signal import correlate
@@ -186,13 +187,8 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
         noise = noise_of.get(record.file) or measure_noise(record, setup.pair, record.value - parts[-1][0])
         if record.file not in known:
             record = dataclasses.replace(record, erratic=erratic(record, noise, bench, fit.settings))
-        floor = _floor(problem, fit, bench, record, noise, waviness)
-        if record.role == "holdout" and not record.erratic:
-            begun = [_begun(record, floor, part, system) for part, system in zip(parts, systems, strict=True)]
-            if begun[-1][0] is not record:
-                record = begun[-1][0]
-                floor = _floor(problem, fit, bench, record, noise, waviness)
-            parts = [part for _, part in begun]
+        floor_of = partial(_floor, problem, fit, bench, noise=noise, waviness=waviness)
+        record, floor, parts = _met(record, floor_of, parts, systems)
         drafts.append((record, noise.std, floor, parts))
     progress("proof", len(campaign.records), len(campaign.records))
     corrections = _corrections(problem, alone, {record.file: parts[1][0] for record, _, _, parts in drafts})
@@ -209,10 +205,27 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
                 first_tooth=after[2],
                 noise_rms=noise_rms,
                 floor_rms=floor,
-                doubt_rms=_parametric(record, fit, setup, after[0]) if record.role == "holdout" else 0.0,
+                doubt_rms=_parametric(record, fit, setup, after[0]) if _foretold(record) else 0.0,
             )
         )
     return _judged(tuple(gaps), bool(fit.effects))
+
+
+def _foretold(record: Measurement) -> bool:
+    """Return whether a record is asked what names foretell."""
+    return record.role == "holdout" and not record.erratic
+
+
+def _met(
+    record: Measurement, floor_of: Callable[[Measurement], float], parts: list[Left], systems: tuple[System, ...]
+) -> tuple[Measurement, float, list[Left]]:
+    """Return a record, its floor and what systems leave of it: one held out as each comes nearest, and as the last does."""
+    floor = floor_of(record)
+    if not _foretold(record):
+        return record, floor, parts
+    begun = [_begun(record, floor, part, system) for part, system in zip(parts, systems, strict=True)]
+    last = begun[-1][0]
+    return last, floor if last is record else floor_of(last), [part for _, part in begun]
 
 
 def _begun(record: Measurement, floor: float, part: Left, system: System) -> tuple[Measurement, Left]:
@@ -273,7 +286,8 @@ def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
     held, fitted = ([gap for gap in gaps if gap.role == role and not gap.measurement.erratic] for role in ("holdout", "fit"))
     over_fitted = _over(fitted) if named and any(gap.measurement.quantity.axis == "angle" for gap in fitted) else None
     still = tuple(_wide(gap) for gap in gaps if gap.rms(gap.after) > WIDE * gap.floor_rms)
-    words = ("No record is held out: nothing but the fit itself speaks for the name.",) if named and not held else ()
+    bare = named and all(gap.role == "fit" for gap in gaps)
+    words = ("No record is held out: nothing but the fit itself speaks for the name.",) if bare else ()
     still = (*still, *said([gap.measurement for gap in gaps]))
     if not held or not named:
         return Proof(records=gaps, over_fitted=over_fitted, reasons=(*words, *still))

@@ -23,7 +23,7 @@ from gearfem.foundation import Array, Record, SolveError
 
 # Width of the first cell beside a kink in pitches.
 FINEST = 4e-5
-# Steps to the pitch in which kinks are sought, sections of each in every round, and rounds: they are known to 2e-9 pitches then, and knots
+# Steps to the pitch in which kinks are sought, sections of each in every round, and rounds: they are known to 3e-9 pitches then, and knots
 # on them are moved this far off.
 SEARCH, SECTIONS, ROUNDS, CLEAR = 200, 16, 5, 1e-8
 # Change of the logarithm of the radius over a cell from which on the cell is divided.
@@ -145,7 +145,7 @@ def pair_table(mesh: Mesh, number: int, way: Way | None = None) -> PairTable:
 
     Notes
     -----
-    Between kinks (ends of the path, ends of the tip rounds, jumps of the contact point), found by section to 1e-8 pitches,
+    Between kinks (ends of the path, ends of the tip rounds, jumps of the contact point), found by section to 3e-9 pitches,
     splines run over cells that shrink towards the kinks, since the law changes there over the half width of the contact.
     Levels are exact: samples of the law at given loads start Newton's method at each level. Between knots and levels the load errs by
     2e-5 where the band just meets an edge, by 2e-6 in 99 of 100 places (tests/truth/test_turns.py).

@@ -78,3 +78,4 @@ def test_an_erratic_motion_says_nothing_of_a_name(found: Diagnosis) -> None:
     assert proof.over_nuisances is None
     assert proof.over_fitted is not None
     assert said([gap.measurement for gap in wild])[0] in proof.reasons
+    assert not any("No record is held out" in reason for reason in proof.reasons)
