@@ -33,12 +33,13 @@ def lost(problem: Problem, fit: Fit) -> bool:
     return bool((fit.squares / problem.floor).max() > LOST)
 
 
-def reads_otherwise(problem: Problem, base: Fit, effects: tuple[Effect, ...]) -> bool:
-    """Return whether effects change the instrument beside a fit far from the records: columns of what is linear are then those under them.
+def moves_otherwise(problem: Problem, base: Fit, effects: tuple[Effect, ...]) -> bool:
+    """Return whether effects change motions, or how these are read, beside a fit far from the records: columns are then those under them.
 
-    All that index errors and errors of the model do to a motion goes through the instrument, and a fit that is lost goes by it far.
+    All that index errors and errors of the model do to a motion goes through its resonances and the instrument. A fit that is lost goes by
+    these far, and columns from where it stands lead others astray.
     """
-    return lost(problem, base) and any(effect.stage == "sensing" for effect in effects if effect not in base.effects)
+    return lost(problem, base) and any(effect.repeats == "not periodic" for effect in effects if effect not in base.effects)
 
 
 def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS, effects: tuple[Effect, ...] = ()) -> Fit:

@@ -45,10 +45,11 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     as much less as if they were right, where these records would show it; the verdict is that without any. Where nuisances do the work
     of an effect they foretell other records too (index errors of all teeth, say, are as good as a runout), and names must surely be by
     far worse before they are none; or leave open what nuisances surely foretell better. Names that do not surely beat nuisances must
-    not be beaten by a smooth correction, which knows no physics. What turns with a shaft must beat nuisances so where records would
-    show it, and not be beaten by that by a twentieth, if nuisances leave no gap without it: index errors hold its waves, and waves of
-    anything else. A gap that stays open is not explained. Names that lower what a fit costs, row by row as if all were linear, and yet
-    leave more of the fitted records are none either: motions whose flanks hammer may take another way for next to nothing.
+    not be beaten by a smooth correction, which knows no physics. What turns with a shaft must surely beat nuisances, and not be beaten
+    by that by a twentieth, if nuisances leave no gap without it: index errors hold its waves, and waves of anything else, as of a
+    resonance that the model has too wide. A gap that stays open is not explained. Names that lower what a fit costs, row by row as if all
+    were linear, and yet leave more of the fitted records are none either: motions whose flanks hammer may take another way for next to
+    nothing.
     """
     if naming.fit.effects and proof.over_fitted is not None and proof.over_fitted < UNMET:
         return _withdrawn(naming, naming.without if sound else "unexplained", "more", records="the records that were fitted")
@@ -62,7 +63,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
         missed = foretold - doubt > 1.0 and not better and over < 0.5 * (1.0 + foretold)
         if worse or (sound and missed):
             return _withdrawn(naming, naming.without if sound else "unexplained", "more" if worse else "not surely less")
-        if _turning(naming) and (missed or (proof.over_smooth or 1.0) < BEATEN):
+        if _turning(naming) and (not better or (proof.over_smooth or 1.0) < BEATEN):
             return _withdrawn(naming, naming.without, "not surely less", _smooth(proof))
         if far and over < WORSE and surely and naming.verdict != "ambiguous":
             return _withdrawn(naming, "unexplained", "more")

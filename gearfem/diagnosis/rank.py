@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from gearfem.definition.setup import Member
-from gearfem.diagnosis.approach import lost, reads_otherwise, unwound
+from gearfem.diagnosis.approach import lost, moves_otherwise, unwound
 from gearfem.diagnosis.candidate import Candidate, View, candidate_of, scored, view_of
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.likely_teeth import late_tooth, starts_of
@@ -29,7 +29,7 @@ from gearfem.foundation.progress import Progress, quiet
 REFINED, WORTH = 2, 5.0
 # Shapes of an effect that are looked at in motion too.
 LIKELIEST = 2
-# Places from which such an effect is fitted: those that leave least as they stand.
+# Places from which such an effect is fitted, under each nuisances: those that leave least as they stand.
 MET = 3
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
@@ -155,9 +155,10 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
             starts: list[Start] = [((*base.effects, effect), unknown) for effect in effects]
             left = [problem.left_at(*place) for place in starts]
             pits = lowest(left) if scanned(start, problem.campaign.setup) else range(len(left))
-            tried += [(left[place], starts[place]) for place in pits]
-    nearest = [place for _, place in sorted(tried, key=lambda item: item[0])[:MET]]
-    if reads_otherwise(problem, base, (start,)):
+            # Where nuisances do the work of an effect a little of it leaves less than all of it does where they have come back.
+            tried += sorted(((left[place], starts[place]) for place in pits), key=lambda item: item[0])[:MET]
+    nearest = [place for _, place in sorted(tried, key=lambda item: item[0])]
+    if moves_otherwise(problem, base, (start,)):
         return max(_candidates(view, _prepared(view, nearest)), key=lambda candidate: candidate.gain, default=None)
     found = _fits(problem, nearest, 2, base.objective)
     ahead = sorted(found, key=lambda fit: fit.objective)[:1]

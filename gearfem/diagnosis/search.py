@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from gearfem.diagnosis.approach import lost, reads_otherwise, unwound
+from gearfem.diagnosis.approach import lost, moves_otherwise, unwound
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.index_errors import uneven
 from gearfem.diagnosis.mimic import mimicked
@@ -77,7 +77,7 @@ class Search:
             hopeless = further if base.effects and len(start[0]) > len(base.effects) else worth
             try:
                 effects, own = start
-                if own is not None and reads_otherwise(self.problem, base, effects):
+                if own is not None and moves_otherwise(self.problem, base, effects):
                     return again(copy.copy(self.problem), effects, own, hopeless=hopeless)
                 return self.problem.fit(effects, self.start(start, base), hopeless=hopeless)
             except (InputError, SolveError):

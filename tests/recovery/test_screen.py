@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import copy
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from gearfem.diagnosis import choose, compare, rank, read_campaign
+from gearfem.diagnosis.approach import lost
 from gearfem.diagnosis.averages import averaged
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit, again
@@ -16,8 +20,10 @@ from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.sensor_gain import SensorGain
+from gearfem.effects.support_compliance import SupportCompliance
 from gearfem.foundation.progress import quiet
 from gearfem.variants import VARIANTS
+from tests.recovery import rig
 from tests.recovery.rig import PLAN, on_the_rig
 
 KINDS = choose(catalogue(), ["body_compliance", "contact_compliance", "tip_relief"])
@@ -98,3 +104,21 @@ def test_effects_in_the_place_of_what_strays_do_the_same(veiled: Comparison) -> 
 def test_effects_that_slow_records_do_not_feel_are_not_screened(veiled: Comparison) -> None:
     problem, alone = _in_means(veiled)
     assert screened(problem, alone, (), quiet) == []
+
+
+@pytest.mark.slow
+def test_what_motions_alone_show_is_found_where_nuisances_have_taken_its_resonance(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A little of it leaves less beside nuisances far off than all of it does beside right ones, until columns are taken there."""
+    heavy = {"pinion_inertia_kg_m2": 0.0273, "wheel_inertia_kg_m2": 0.0327, "damping_ratio": 0.1}
+    monkeypatch.setattr(rig, "NOMINAL", rig.NOMINAL | {"operation": rig.NOMINAL["operation"] | heavy})
+    motion = {"quantity": "dynamic_transmission_error", "pinion_torque_Nm": 60.0, "samples_per_turn": 234, "turns": 1.4}
+    motions = [motion | {"file": f"{speed:g}rpm.csv", "pinion_speed_rpm": speed} for speed in (3900.0, 6800.0)]
+    supports = SupportCompliance(pinion=2.3e-9, wheel=1.4e-9)
+    hidden = {"effect": [{"name": "support_compliance", "pinion_um_per_kN": 2.3, "wheel_um_per_kN": 1.4}]}
+    comparison = compare(read_campaign(on_the_rig(tmp_path, hidden, PLAN | {"record": [*PLAN["record"][1:3], *motions]})))
+    mean = averaged(comparison.problem, comparison.alone.settings)
+    alone = again(mean, (), mean.unknowns.of(comparison.alone.settings))
+    assert lost(mean, alone)
+    right = again(copy.copy(mean), (supports,), mean.unknowns.neutral(alone.point.unknown))
+    (found,) = rank(mean, alone, choose(catalogue(), ["support_compliance"]))
+    assert found.gain > 0.9 * (alone.objective - right.objective)
