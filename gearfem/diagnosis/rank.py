@@ -29,7 +29,7 @@ from gearfem.foundation.progress import Progress, quiet
 REFINED, WORTH = 2, 5.0
 # Shapes of an effect that are looked at in motion too.
 LIKELIEST = 2
-# Places from which such an effect is fitted, under each nuisances: those that leave least as they stand.
+# Places from which such an effect is fitted, under each set of nuisances: those that leave least as they stand.
 MET = 3
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
