@@ -54,7 +54,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     if naming.fit.effects and proof.over_fitted is not None and proof.over_fitted < UNMET:
         return _withdrawn(naming, naming.without if sound else "unexplained", "more", records="the records that were fitted")
     over, foretold, doubt = proof.over_nuisances, proof.foretold or 1.0, SURE * (proof.stderr or 0.0)
-    held = [gap for gap in proof.of("holdout") if not gap.measurement.erratic]
+    held = [gap for gap in proof.records if gap.measurement.proves]
     far = [gap for gap in held if gap.rms(gap.after) > OPEN * gap.expected_rms]
     if naming.fit.effects and over is not None:
         surely = over + doubt < 1.0

@@ -77,6 +77,11 @@ class Measurement(Record):
         """Factor from SI to the unit of the file's measured column."""
         return 1.0 / self.quantity.factors[1]
 
+    @property
+    def proves(self) -> bool:
+        """Whether it speaks for or against a name: held out, and no erratic motion."""
+        return self.role == "holdout" and not self.erratic
+
     def request(self, first_tooth: int = 0) -> Request:
         """Return what a model is asked for to foretell the record, see `gearfem.sensing.observe`; of teeth, that it begins with one."""
         return requests()[self.quantity.name](

@@ -205,15 +205,10 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
                 first_tooth=after[2],
                 noise_rms=noise_rms,
                 floor_rms=floor,
-                doubt_rms=_parametric(record, fit, setup, after[0]) if _foretold(record) else 0.0,
+                doubt_rms=_parametric(record, fit, setup, after[0]) if record.proves else 0.0,
             )
         )
     return _judged(tuple(gaps), bool(fit.effects))
-
-
-def _foretold(record: Measurement) -> bool:
-    """Return whether a record is asked what names foretell."""
-    return record.role == "holdout" and not record.erratic
 
 
 def _met(
@@ -221,7 +216,7 @@ def _met(
 ) -> tuple[Measurement, float, list[Left]]:
     """Return a record, its floor and what systems leave of it: one held out as each comes nearest, and as the last does."""
     floor = floor_of(record)
-    if not _foretold(record):
+    if not record.proves:
         return record, floor, parts
     begun = [_begun(record, floor, part, system) for part, system in zip(parts, systems, strict=True)]
     last = begun[-1][0]
@@ -283,7 +278,8 @@ def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, 
 
 
 def _judged(gaps: tuple[Gap, ...], named: bool) -> Proof:
-    held, fitted = ([gap for gap in gaps if gap.role == role and not gap.measurement.erratic] for role in ("holdout", "fit"))
+    held = [gap for gap in gaps if gap.measurement.proves]
+    fitted = [gap for gap in gaps if gap.role == "fit" and not gap.measurement.erratic]
     over_fitted = _over(fitted) if named and any(gap.measurement.quantity.axis == "angle" for gap in fitted) else None
     still = tuple(_wide(gap) for gap in gaps if gap.rms(gap.after) > WIDE * gap.floor_rms)
     bare = named and all(gap.role == "fit" for gap in gaps)
