@@ -14,7 +14,7 @@ from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit, again
-from gearfem.diagnosis.held_out import as_held_out_leaves, instead, without
+from gearfem.diagnosis.held_out import as_held_out_leaves, beside, instead, without
 from gearfem.diagnosis.localise import Localisation, localise
 from gearfem.diagnosis.name import name
 from gearfem.diagnosis.naming import Naming, Rival
@@ -126,9 +126,14 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
 def _opened(problem: Problem, naming: Naming, progress: Progress) -> tuple[Naming, Proof]:
     """Return the verdict once the records held out are opened, and the proof of what is named then.
 
-    Where these withdraw the simplest of explanations that fit alike, each of the others is fitted to all records and asked the same.
+    What single teeth and turns have beside effects of all teeth is asked by itself first. Where the records withdraw the simplest of
+    explanations that fit alike, each of the others is fitted to all records and asked the same.
     """
     sound = stays(problem, naming.alone)
+    common = tuple(effect for effect in naming.fit.effects if shows_in_means(effect))
+    if has_means(problem) and 0 < len(common) < len(naming.fit.effects):
+        rest = fit(problem, common, naming.fit, progress)
+        naming = beside(naming, rest, prove(problem, naming.fit, rest, progress))
 
     def asked(one: Naming) -> tuple[Naming, Proof]:
         proof = prove(problem, one.fit, one.alone, progress)

@@ -302,8 +302,8 @@ def _steps(problem: Problem, point: Point, derivatives: Array) -> Iterator[Array
         yield np.empty(0)
         return
     low, high = parameters.bounds(point.effects, problem.campaign.setup)
-    reach = np.array([nuisance.reach for nuisance in problem.nuisances])
-    low, high = np.concatenate([low - values, -reach - outer]), np.concatenate([high - values, reach - outer])
+    least, most = np.reshape([nuisance.room for nuisance in problem.nuisances], (outer.size, 2)).T
+    low, high = np.concatenate([low - values, least - outer]), np.concatenate([high - values, most - outer])
     gram, pull = _measure(problem, point, derivatives)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     room = (np.minimum(low / scale, -1e-12), np.maximum(high / scale, 1e-12))

@@ -10,6 +10,7 @@ from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.prove import Gap, Proof
 from gearfem.diagnosis.search import Label, label
 from gearfem.diagnosis.verdict import explains
+from gearfem.effects.effect import Effect
 
 # What a record held out may be left with, in parts of what can be expected of it, unless at least this share of its gap is closed.
 OPEN, CLOSES = 2.0, 0.5
@@ -53,18 +54,15 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     """
     if naming.fit.effects and proof.over_fitted is not None and proof.over_fitted < UNMET:
         return _withdrawn(naming, naming.without if sound else "unexplained", "more", records="the records that were fitted")
-    over, foretold, doubt = proof.over_nuisances, proof.foretold or 1.0, SURE * (proof.stderr or 0.0)
+    over, doubt = proof.over_nuisances, SURE * (proof.stderr or 0.0)
     held = [gap for gap in proof.records if gap.measurement.proves]
     far = [gap for gap in held if gap.rms(gap.after) > OPEN * gap.expected_rms]
     if naming.fit.effects and over is not None:
-        surely = over + doubt < 1.0
-        worse = over < (WORSE if sound else FAR_WORSE) and surely
-        better = over - doubt >= 1.0
-        missed = foretold - doubt > 1.0 and not better and over < 0.5 * (1.0 + foretold)
-        if worse or (sound and missed):
-            return _withdrawn(naming, naming.without if sound else "unexplained", "more" if worse else "not surely less")
-        if _turning(naming) and (not better or (proof.over_smooth or 1.0) < BEATEN):
-            return _withdrawn(naming, naming.without, "not surely less", _smooth(proof))
+        waves = naming.gapless and _turning(naming.fit.effects)
+        if words := _refused(proof, sound, waves):
+            verdict: Verdict = "unexplained" if words == "more" and not sound else naming.without
+            return _withdrawn(naming, verdict, words, _smooth(proof) if waves else "")
+        surely, better = over + doubt < 1.0, over - doubt >= 1.0
         if far and over < WORSE and surely and naming.verdict != "ambiguous":
             return _withdrawn(naming, "unexplained", "more")
         if not better and (proof.over_smooth or 1.0) < SMOOTHER:
@@ -80,14 +78,61 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     return naming.with_rest(reason)
 
 
+def beside(naming: Naming, rest: Fit, proof: Proof) -> Naming:
+    """Return the verdict once what single teeth and turns have is asked by itself: what the records held out show of it.
+
+    Parameters
+    ----------
+    naming : Naming
+        The verdict so far.
+    rest : Fit
+        Of the effects that are named of all teeth, without the others.
+    proof : Proof
+        What is left of each record with all that is named, and with these alone in the place of nuisances alone.
+    """
+    stay = set(label(rest.effects))
+    others = tuple(effect for effect in naming.fit.effects if stay.isdisjoint(label((effect,))))
+    words = _refused(proof, True, naming.gapless and _turning(others))
+    if not words:
+        return naming
+    alone, kept = (" + ".join(effect.name for effect in effects) for effects in (others, rest.effects))
+    gone = set(label(others))
+    return dataclasses.replace(
+        naming,
+        fit=rest,
+        p_values=naming.p_values[: len(rest.effects)],
+        # Explanations of what is withdrawn go with it.
+        rivals=tuple(
+            dataclasses.replace(one, effects=tuple(effect for effect in one.effects if gone.isdisjoint(label((effect,)))))
+            for one in naming.rivals
+            if gone <= set(label(one.effects))
+        ),
+        sentence=sentence_of(naming.verdict, rest, naming.closed),
+        reasons=(*naming.reasons, f"On records held out, {words} is left with {alone} beside {kept} than without."),
+    )
+
+
 def _files(gaps: Sequence[Gap]) -> str:
     """Return the files of records in words."""
     return ", ".join(gap.measurement.file for gap in gaps)
 
 
-def _turning(naming: Naming) -> bool:
-    """Return whether all that is named turns with the gears and nuisances alone leave no gap."""
-    return naming.gapless and all(effect.repeats == "once a turn" for effect in naming.fit.effects)
+def _refused(proof: Proof, sound: bool, waves: bool) -> str:
+    """Return why names are none by what they leave of records held out, in words, or nothing; `waves` turn and stand for no gap."""
+    over, foretold, doubt = proof.over_nuisances, proof.foretold or 1.0, SURE * (proof.stderr or 0.0)
+    if over is None:
+        return ""
+    if over < (WORSE if sound else FAR_WORSE) and over + doubt < 1.0:
+        return "more"
+    better = over - doubt >= 1.0
+    missed = foretold - doubt > 1.0 and not better and over < 0.5 * (1.0 + foretold)
+    beaten = not better or (proof.over_smooth or 1.0) < BEATEN
+    return "not surely less" if (sound and missed) or (waves and beaten) else ""
+
+
+def _turning(effects: Sequence[Effect]) -> bool:
+    """Return whether all of the effects turn with the gears."""
+    return all(effect.repeats == "once a turn" for effect in effects)
 
 
 def _smooth(proof: Proof) -> str:

@@ -10,7 +10,7 @@ from scipy.stats import median_abs_deviation
 
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.straying import STRAYED
+from gearfem.diagnosis.straying import LOST, STRAYED
 from gearfem.foundation import Array
 
 # Waves a turn of index errors that are looked at.
@@ -30,6 +30,11 @@ def uneven(problem: Problem, fit: Fit) -> Array:
     # What stands out on both gears may be one tooth, met with no other one.
     found[0, np.argmin(found[0])] = 0.0
     return found
+
+
+def turns_often(problem: Problem, fit: Fit) -> bool:
+    """Return whether index errors of a fit hold waves twice or three times a turn, which neither chance makes nor an eccentric gear."""
+    return any(waves[1:].max() > LOST for _, waves in deviating(problem, fit))
 
 
 def deviating(problem: Problem, fit: Fit) -> Iterator[tuple[Array, Array]]:

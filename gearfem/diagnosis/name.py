@@ -6,7 +6,7 @@ import contextlib
 import copy
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from gearfem.diagnosis.bench import Settings
 from gearfem.diagnosis.fit import Fit, again
 from gearfem.diagnosis.gap import closure, gap_left
 from gearfem.diagnosis.hammering import left_open, untold
+from gearfem.diagnosis.index_errors import turns_often
 from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.pitch_point import turns_round
 from gearfem.diagnosis.problem import Problem
@@ -77,12 +78,20 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     row (`of_single_teeth`). Beside those the first kind is judged anew, or selected anew where any of the second was found, and those
     judged anew beside it. What means name nothing of is asked from the slow records row by row (`row_by_row`). Campaigns without a record
     over the pinion angle have no means and are searched once for all effects. Motions that hammer, and whose rows the names by their means
-    leave worse than nuisances alone do, are left out of the means (`untold`), as erratic motions are.
+    leave worse than nuisances alone do, are left out of the means (`untold`), as erratic motions are. No mean is searched where index
+    errors swing more than once a turn and nothing of single teeth or turns explains it.
     """
     if not has_means(problem):
         return select(problem, alone, kinds, progress)
     common, single = ({word: kind for word, kind in kinds.items() if shows_in_means(kind) == both} for both in (True, False))
     told = copy.copy(problem)
+    if turns_often(problem, alone):
+        second, often = _of_teeth(told, alone, single, progress, waves=turns_often)
+        if often:
+            # It stays under whatever all teeth have, and means go by wrong index errors: nothing is sought in these.
+            mean = averaged(problem, alone.settings)
+            first = judge(Search(mean, again(mean, (), mean.unknowns.of(alone.settings))), ())
+            return _joined(problem, alone, _unnamed(first), second)
     first = _of_means(told, alone.settings, common, progress)
     told.untold = untold(told, first)
     if told.untold:
@@ -107,8 +116,13 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         first = rows
     if wavy:
         # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
-        first = dataclasses.replace(first, verdict="unexplained", fit=first.alone, p_values=())
+        first = _unnamed(first)
     return left_open(problem, told.untold, _joined(problem, alone, first, second))
+
+
+def _unnamed(naming: Naming) -> Naming:
+    """Return a verdict that names nothing, since something is missing that no effect stands for."""
+    return dataclasses.replace(naming, verdict="unexplained", fit=naming.alone, p_values=())
 
 
 def _of_all(problem: Problem, first: Naming, single: Fit, kinds: Mapping[str, type[Effect]], progress: Progress) -> Naming:
@@ -240,7 +254,12 @@ def _beside(worse: float, enough: float) -> str:
 
 
 def _of_teeth(
-    problem: Problem, fit: Fit, kinds: Mapping[str, type[Effect]], progress: Progress, before: Naming | None = None
+    problem: Problem,
+    fit: Fit,
+    kinds: Mapping[str, type[Effect]],
+    progress: Progress,
+    before: Naming | None = None,
+    waves: Callable[[Problem, Fit], object] = turning,
 ) -> tuple[Naming, bool]:
     """Return what single teeth and turns show beside a fit of the means, and whether the best explanation keeps waves of index errors.
 
@@ -251,7 +270,7 @@ def _of_teeth(
         naming = select(teeth, alone, kinds, progress)
     else:
         naming = _anew(teeth, alone, before.best.point.stood, before, "effects of single teeth again", progress)
-    return naming, bool(turning(teeth, naming.best))
+    return naming, bool(waves(teeth, naming.best))
 
 
 def _of_means_anew(problem: Problem, first: Naming, second: Naming, progress: Progress) -> Naming:

@@ -152,7 +152,7 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     fit : Fit
         Named effects and nuisances.
     alone : Fit
-        Nuisances alone.
+        Nuisances alone; or a part of the effects, to ask what the others do beside these.
     progress : Progress
         Told after each record.
 
@@ -177,7 +177,7 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     noise_of = {record.file: noise for record, noise in zip(problem.records, problem.noises, strict=True)}
     believed = dataclasses.replace(neutral(campaign.setup.pair), angle_offset=fit.settings.angle_offset)
     setup, bench = campaign.setup, problem.bench(fit.effects)
-    systems = (calibrated(setup, believed), calibrated(setup, alone.settings), calibrated(setup, fit.settings, fit.effects))
+    systems = (calibrated(setup, believed), calibrated(setup, alone.settings, alone.effects), calibrated(setup, fit.settings, fit.effects))
     known, waviness = {record.file: record for record in problem.records}, _waviness(problem, fit)
     drafts = []
     for number, stated in enumerate(campaign.records):

@@ -14,7 +14,7 @@ import pytest
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fit import Fit, _inexact
 from gearfem.diagnosis.gap import closure, wide
-from gearfem.diagnosis.index_errors import odd_of, uneven, waves_of
+from gearfem.diagnosis.index_errors import odd_of, turns_often, uneven, waves_of
 from gearfem.diagnosis.measurement import make_record
 from gearfem.diagnosis.mimic import _form_scales, mimicked
 from gearfem.diagnosis.model_form import form_errors
@@ -123,10 +123,10 @@ def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> Non
     problem, fit = found.problem, found.naming.alone
     late, turn = problem.unknowns.late, 2.0 * math.pi * np.arange(17) / 17
 
-    def with_errors(wave: float) -> Fit:
+    def with_errors(wave: float, order: int = 2) -> Fit:
         unknown = np.zeros_like(fit.point.unknown)
         unknown[late] = np.random.default_rng(5).normal(size=30)
-        unknown[late][13:] += wave * np.cos(2.0 * turn + 0.3)
+        unknown[late][13:] += wave * np.cos(order * turn + 0.3)
         return dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
 
     chance, wavy = with_errors(0.0), with_errors(6.0)
@@ -135,6 +135,7 @@ def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> Non
     assert waves[1] > 5.0 > 3.0 > max(waves[0], *tooth, *uneven(problem, chance).ravel())
     assert stays(problem, chance)
     assert not stays(problem, wavy)
+    assert [turns_often(problem, fit) for fit in (chance, with_errors(6.0, 1), wavy)] == [False, False, True]
     assert closure(chance, chance, problem) == pytest.approx(0.0, abs=1e-9)
     assert closure(wavy, chance, problem) > 0.5
     late = np.array([0.5, -0.4, 8.0, 0.1, -0.2, 0.3, -9.0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 
@@ -19,6 +20,7 @@ from gearfem.diagnosis.magnitudes import FIT, refuse_magnitudes, speed_misfits
 from gearfem.diagnosis.measurement import Measurement, make_record
 from gearfem.diagnosis.mesh_lines import mesh_lines
 from gearfem.diagnosis.noise import measure_noise
+from gearfem.diagnosis.nuisances import BUILD
 from gearfem.diagnosis.roles import Role
 from gearfem.diagnosis.smooth import fit_smooth
 from gearfem.diagnosis.system_bench import SystemBench
@@ -26,8 +28,9 @@ from gearfem.diagnosis.teeth import Scatter, respond, tooth_columns
 from gearfem.diagnosis.zones import ZONES, in_zones, leading_teeth
 from gearfem.dynamics import DriveTrain
 from gearfem.dynamics.linear_train import linear_train
-from gearfem.foundation import Array, InputError
-from gearfem.foundation.units import RPM
+from gearfem.engagement.turns import Turns, static
+from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation.units import RPM, UM
 from gearfem.model import make_setup
 
 SETUP = make_setup(
@@ -314,3 +317,30 @@ def test_the_smooth_correction_stays_as_large_as_the_gap_over_a_part_of_a_turn()
     noise = measure_noise(record, PAIR)
     smooth = fit_smooth((record,), (noise,), (left,), PAIR, 0.0)["mesh_stiffness"]
     assert np.sqrt(np.mean((left - smooth.at(record)) ** 2)) < 2.2e5
+
+
+@pytest.mark.parametrize(("beyond", "solved"), [(0.0, True), (0.2, False)])
+def test_load_sharing_has_a_solution_as_far_as_coupling_may_go(beyond: float, solved: bool) -> None:
+    """Of a pair shifted far, bodies soft and contact hard by four deviations, teeth up to ten times as uneven as usual; none farther."""
+    gears = {
+        "pinion": {"teeth": 16, "profile_shift": 0.8, "bore_radius_mm": 30.0},
+        "wheel": {"teeth": 51, "profile_shift": 1.175, "bore_radius_mm": 60.0},
+    }
+    rated = {"pinion_torque_Nm": 1600.0, "pinion_speed_rpm": 1000.0}
+    shifted = {"pair": {"module_mm": 8.0, "face_width_mm": 75.0}, **gears, "operation": rated}
+    bench, random = SystemBench(system=assemble(make_setup(shifted))), np.random.default_rng(5)
+    (coupling,) = (nuisance for nuisance in BUILD if nuisance.name == "coupling_scale")
+    wild = {"contact_scale": -4.0, "body_scale": 4.0}
+    pair = bench.system.setup.pair
+    for late in (0.0, 5.0, 20.0):
+        settings = dataclasses.replace(
+            neutral(pair),
+            coupling_scale=coupling.value(coupling.room[1] + beyond),
+            errors=tuple(wild.get(variant.name, 0.0) for variant in bench.errors),
+            pinion_late=late * UM * random.standard_normal(16),
+            wheel_late=late * UM * random.standard_normal(51),
+        )
+        turns = Turns(mesh=bench._system(settings).mesh)
+        angles = np.linspace(0.0, 12.0 * pair.pinion.pitch_angle, 720)
+        with contextlib.nullcontext() if solved else pytest.raises(SolveError):
+            assert np.isfinite(static(turns, angles, 1600.0, 0.1).transmission_error).all()

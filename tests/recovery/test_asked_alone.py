@@ -1,0 +1,88 @@
+"""What single teeth and turns have beside an effect of all teeth is asked by itself of records held out."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+
+import pytest
+
+from gearfem.diagnosis import Diagnosis
+from gearfem.diagnosis.diagnose import _opened
+from gearfem.diagnosis.held_out import beside
+from gearfem.diagnosis.naming import Naming, Rival
+from gearfem.diagnosis.prove import prove
+from gearfem.effects.effect import Effect
+from gearfem.effects.pitting import Pitting
+from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.runout import Runout
+from gearfem.foundation.progress import quiet
+from gearfem.foundation.units import UM
+
+
+def _with(found: Diagnosis, single: Effect, gapless: bool = False) -> Naming:
+    """Return the verdict with a single tooth or a turn beside the tip relief, and two rivals: of what is common, and of what is single."""
+    relief, setup = found.naming.fit.effects[0], found.campaign.setup
+    fit = dataclasses.replace(found.naming.fit, effects=(relief, single))
+    sets = ((ProfileSlope.example(setup, "pinion"), single), (relief, Pitting.example(setup, "pinion", 2)))
+    near = tuple(Rival(effects=effects, score_difference=1.0, why="", near=True, fit=fit) for effects in sets)
+    return dataclasses.replace(found.naming, fit=fit, p_values=(1e-9, 1e-3), rivals=near, gapless=gapless)
+
+
+@pytest.mark.parametrize(
+    ("share", "foretold", "stands"),
+    [(0.997, 1.017, False), (1.03, 1.04, True), (1.0, 1.001, True), (0.9, 1.001, False), (1.005, 1.05, False)],
+)
+def test_a_tooth_that_records_held_out_would_show_and_do_not_is_withdrawn_alone(
+    found: Diagnosis, share: float, foretold: float, stands: bool
+) -> None:
+    """The effect of all teeth stays, with what speaks for it, and so do its rivals."""
+    naming, rest = _with(found, Pitting.example(found.campaign.setup, "wheel", 20)), found.naming.fit
+    held = beside(naming, rest, dataclasses.replace(found.proof, over_nuisances=share, foretold=foretold, stderr=0.004))
+    if stands:
+        assert held is naming
+        return
+    assert held.verdict == naming.verdict
+    assert held.fit is rest
+    assert held.p_values == naming.p_values[:1]
+    assert "pitting" not in held.sentence.lower()
+    assert held.sentence == found.naming.sentence
+    assert [[effect.name for effect in rival.effects] for rival in held.rivals] == [["profile_slope"]]
+    words = "more" if share < 0.97 else "not surely less"
+    assert held.reasons[-1] == f"On records held out, {words} is left with pitting beside tip_relief than without."
+
+
+@pytest.mark.parametrize(("gapless", "stands"), [(True, False), (False, True)])
+def test_a_wave_without_a_gap_must_surely_do_better_beside_other_effects_too(found: Diagnosis, gapless: bool, stands: bool) -> None:
+    naming = _with(found, Runout(gear="pinion", eccentricity=5.0 * UM, angle=0.0), gapless)
+    proof = dataclasses.replace(found.proof, over_nuisances=1.0, foretold=1.001, stderr=0.004)
+    assert (beside(naming, found.naming.fit, proof) is naming) == stands
+
+
+@pytest.mark.parametrize(("seen", "names"), [(True, ["tip_relief", "pitting"]), (False, ["tip_relief"])])
+def test_each_kind_is_asked_with_the_other_in_the_model(
+    found: Diagnosis, monkeypatch: pytest.MonkeyPatch, seen: bool, names: list[str]
+) -> None:
+    asked, module = list[tuple[list[str], list[str]]](), sys.modules["gearfem.diagnosis.diagnose"]
+    right = dataclasses.replace(found.proof, over_nuisances=1.2, foretold=1.2, stderr=0.01)
+    missed = dataclasses.replace(right, over_nuisances=1.0)
+
+    def proved(problem: object, fit: Naming, alone: Naming, *other: object) -> object:
+        asked.append(([effect.name for effect in fit.effects], [effect.name for effect in alone.effects]))
+        return right if seen or not alone.effects else missed
+
+    monkeypatch.setattr(module, "fit", lambda problem, effects, start, progress: dataclasses.replace(start, effects=effects))
+    monkeypatch.setattr(module, "prove", proved)
+    held, proof = _opened(found.problem, _with(found, Pitting.example(found.campaign.setup, "wheel", 20)), quiet)
+    assert asked == [(["tip_relief", "pitting"], ["tip_relief"]), (names, [])]
+    assert [effect.name for effect in held.fit.effects] == names
+    assert held.verdict == "explained"
+    assert proof is right
+
+
+def test_a_proof_against_a_part_of_the_effects_has_them_in_both(found: Diagnosis) -> None:
+    fit = found.naming.fit
+    proof = prove(found.problem, fit, fit)
+    for gap in proof.records:
+        assert gap.nuisances_only == pytest.approx(gap.after, rel=1e-12, abs=0.0)
+    assert proof.over_nuisances == pytest.approx(1.0, rel=1e-12, abs=0.0)
