@@ -6,6 +6,7 @@ as what is looked for, have averaged out; an effect of one tooth, or of a turn, 
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 from collections.abc import Callable
 from typing import TypeAlias
@@ -239,6 +240,15 @@ def whole(problem: Problem, means: Fit, single: Fit) -> Fit:
     """Return the fit of all records row by row, the largest Kw of turns included, from one of the means and of single teeth under it."""
     teeth = of_single_teeth(problem, means.settings, means.effects)
     return stand(problem, means, teeth, teeth.fit(single.effects, teeth.prepare(single.effects, single.point.stood), rounds=0))
+
+
+def without_single(problem: Problem, fit: Fit) -> Fit:
+    """Return a fit of all records row by row without its effects of single teeth and turns: index errors anew, all else as it stands."""
+    count = sum(shows_in_means(effect) for effect in fit.effects)
+    bound = tuple((number, field) for number, field in fit.bound if number < count)
+    means = dataclasses.replace(fit, effects=fit.effects[:count], deviations=fit.deviations[:count], bound=bound)
+    teeth, single = teeth_under(problem, fit.settings, means.effects)
+    return stand(copy.copy(problem), means, teeth, single)
 
 
 def teeth_under(problem: Problem, settings: Settings, effects: tuple[Effect, ...], which: Which = every) -> tuple[Problem, Fit]:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from gearfem.diagnosis.averages import averaged, has_means, of_single_teeth, shows_in_means, stand
+from gearfem.diagnosis.averages import averaged, has_means, of_single_teeth, shows_in_means, stand, without_single
 from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
@@ -130,9 +130,8 @@ def _opened(problem: Problem, naming: Naming, progress: Progress) -> tuple[Namin
     explanations that fit alike, each of the others is fitted to all records and asked the same.
     """
     sound = stays(problem, naming.alone)
-    common = tuple(effect for effect in naming.fit.effects if shows_in_means(effect))
-    if has_means(problem) and 0 < len(common) < len(naming.fit.effects):
-        rest = fit(problem, common, naming.fit, progress)
+    if has_means(problem) and len({shows_in_means(effect) for effect in naming.fit.effects}) > 1:
+        rest = without_single(problem, naming.fit)
         naming = beside(naming, rest, prove(problem, naming.fit, rest, progress))
 
     def asked(one: Naming) -> tuple[Naming, Proof]:

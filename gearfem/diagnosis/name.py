@@ -43,6 +43,8 @@ from gearfem.foundation.progress import Progress, quiet
 BEGUN = 4
 # Prior deviations beyond which nuisances alone stand elsewhere than before the search.
 FAR_APART = 1.0
+# What is said of effects of all teeth in the place of what they gain.
+NOTHING_SOUGHT = "None was sought: index errors swing more than once a turn, which stays under whatever all teeth have."
 # Verdicts that name something.
 NAMED: tuple[Verdict, ...] = ("explained", "partly_explained", "ambiguous")
 
@@ -90,8 +92,9 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         if often:
             # It stays under whatever all teeth have, and means go by wrong index errors: nothing is sought in these.
             mean = averaged(problem, alone.settings)
-            first = judge(Search(mean, again(mean, (), mean.unknowns.of(alone.settings))), ())
-            return _joined(problem, alone, _unnamed(first), second)
+            first = _unnamed(judge(Search(mean, again(mean, (), mean.unknowns.of(alone.settings))), ()))
+            _, *reasons = first.reasons
+            return _joined(problem, alone, dataclasses.replace(first, reasons=(NOTHING_SOUGHT, *reasons)), second)
     first = _of_means(told, alone.settings, common, progress)
     told.untold = untold(told, first)
     if told.untold:

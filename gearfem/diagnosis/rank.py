@@ -31,6 +31,8 @@ REFINED, WORTH = 2, 5.0
 LIKELIEST = 2
 # Places from which such an effect is fitted, under each set of nuisances: those that leave least as they stand.
 MET = 3
+# Rounds in which such fits begin where their derivatives are taken anew, and how many of them go on.
+BEGUN, LED = 2, 2
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
 
@@ -205,12 +207,17 @@ def _fits(problem: Problem, starts: list[Start], rounds: int, hopeless: float = 
 
 
 def _prepared(view: View, starts: list[Start]) -> list[Fit]:
-    """Return fits with columns taken under their effects; one that does not promise to leave less than those before is given up."""
-    found: list[Fit] = []
+    """Return fits with columns taken under their effects: of those that lead lowest in a few rounds, unless they end above the first."""
+    begun: list[Fit] = []
     for effects, unknown in starts:
         with contextlib.suppress(InputError, SolveError):
+            here = copy.copy(view.problem)
+            begun.append(here.fit(effects, here.prepare(effects, unknown), BEGUN, view.base.objective))
+    found: list[Fit] = []
+    for fit in sorted(begun, key=lambda fit: fit.objective)[:LED]:
+        with contextlib.suppress(InputError, SolveError):
             least = min((fit.objective for fit in found), default=view.base.objective)
-            found.append(again(copy.copy(view.problem), effects, unknown, hopeless=least))
+            found.append(again(copy.copy(view.problem), fit.effects, fit.point.stood, hopeless=least))
     return found
 
 

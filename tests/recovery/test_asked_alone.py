@@ -71,7 +71,7 @@ def test_each_kind_is_asked_with_the_other_in_the_model(
         asked.append(([effect.name for effect in fit.effects], [effect.name for effect in alone.effects]))
         return right if seen or not alone.effects else missed
 
-    monkeypatch.setattr(module, "fit", lambda problem, effects, start, progress: dataclasses.replace(start, effects=effects))
+    monkeypatch.setattr(module, "without_single", lambda problem, fit: dataclasses.replace(fit, effects=fit.effects[:1]))
     monkeypatch.setattr(module, "prove", proved)
     held, proof = _opened(found.problem, _with(found, Pitting.example(found.campaign.setup, "wheel", 20)), quiet)
     assert asked == [(["tip_relief", "pitting"], ["tip_relief"]), (names, [])]

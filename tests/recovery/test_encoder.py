@@ -13,6 +13,7 @@ import pytest
 from gearfem.diagnosis import choose, compare, name, read_campaign
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.index_errors import turns_often
+from gearfem.diagnosis.name import NOTHING_SOUGHT
 from gearfem.diagnosis.naming import Naming
 from gearfem.diagnosis.problem import Problem
 from gearfem.effects.catalogue import catalogue
@@ -47,4 +48,6 @@ def test_a_reading_that_swings_twice_a_turn_is_explained_by_nothing(tmp_path: Pa
     assert naming.verdict == "unexplained"
     assert not naming.fit.effects
     assert sought == ["runout"]
+    assert f"All teeth: {NOTHING_SOUGHT}" in naming.reasons
+    assert not any(reason.startswith("All teeth: The best explanation gains") for reason in naming.reasons)
     assert any("a wave of the index errors of the pinion" in reason for reason in naming.reasons)
