@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from gearfem.diagnosis.averages import shows_in_means
 from gearfem.diagnosis.fit import Fit
 from gearfem.diagnosis.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.prove import Gap, Proof
@@ -96,20 +97,24 @@ def beside(naming: Naming, rest: Fit, proof: Proof) -> Naming:
     if not words:
         return naming
     alone, kept = (" + ".join(effect.name for effect in effects) for effects in (others, rest.effects))
-    gone = set(label(others))
-    return dataclasses.replace(
+    found = dataclasses.replace(
         naming,
         fit=rest,
         p_values=naming.p_values[: len(rest.effects)],
-        # Explanations of what is withdrawn go with it.
-        rivals=tuple(
-            dataclasses.replace(one, effects=tuple(effect for effect in one.effects if gone.isdisjoint(label((effect,)))))
-            for one in naming.rivals
-            if gone <= set(label(one.effects))
-        ),
+        rivals=tuple(_lacking(naming.rivals, others)),
         sentence=sentence_of(naming.verdict, rest, naming.closed),
         reasons=(*naming.reasons, f"On records held out, {words} is left with {alone} beside {kept} than without."),
     )
+    return _settled(found)
+
+
+def _lacking(rivals: Iterable[Rival], withdrawn: tuple[Effect, ...]) -> Iterator[Rival]:
+    """Yield explanations of what all teeth have without what is withdrawn of single ones; other explanations of that go with it."""
+    gone = set(label(withdrawn))
+    for rival in rivals:
+        left = tuple(effect for effect in rival.effects if gone.isdisjoint(label((effect,))))
+        if gone <= set(label(rival.effects)) and all(shows_in_means(effect) for effect in left):
+            yield dataclasses.replace(rival, effects=left)
 
 
 def _files(gaps: Sequence[Gap]) -> str:
@@ -166,8 +171,12 @@ def without(naming: Naming, lost: Mapping[tuple[Label, ...], str]) -> Naming:
     rivals = tuple(
         dataclasses.replace(one, near=False, why=lost[label(one.effects)]) if label(one.effects) in lost else one for one in naming.rivals
     )
-    found = dataclasses.replace(naming, rivals=rivals, reasons=(*naming.reasons, *lost.values()))
-    if found.as_good:
-        return found
+    return _settled(dataclasses.replace(naming, rivals=rivals, reasons=(*naming.reasons, *lost.values())))
+
+
+def _settled(naming: Naming) -> Naming:
+    """Return a verdict that is ambiguous no longer if nothing is left that fits alike."""
+    if naming.verdict != "ambiguous" or naming.as_good:
+        return naming
     verdict = explains(naming.closed, (naming.left, naming.left))
-    return dataclasses.replace(found, verdict=verdict, sentence=sentence_of(verdict, naming.fit, naming.closed))
+    return dataclasses.replace(naming, verdict=verdict, sentence=sentence_of(verdict, naming.fit, naming.closed))

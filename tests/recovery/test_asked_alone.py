@@ -21,10 +21,11 @@ from gearfem.foundation.units import UM
 
 
 def _with(found: Diagnosis, single: Effect, gapless: bool = False) -> Naming:
-    """Return the verdict with a single tooth or a turn beside the tip relief, and two rivals: of what is common, and of what is single."""
+    """Return the verdict with a single tooth or a turn beside the tip relief, and rivals of what is common, and of what is single."""
     relief, setup = found.naming.fit.effects[0], found.campaign.setup
     fit = dataclasses.replace(found.naming.fit, effects=(relief, single))
-    sets = ((ProfileSlope.example(setup, "pinion"), single), (relief, Pitting.example(setup, "pinion", 2)))
+    pit = Pitting.example(setup, "pinion", 2)
+    sets = ((ProfileSlope.example(setup, "pinion"), single), (relief, pit), (relief, single, pit))
     near = tuple(Rival(effects=effects, score_difference=1.0, why="", near=True, fit=fit) for effects in sets)
     return dataclasses.replace(found.naming, fit=fit, p_values=(1e-9, 1e-3), rivals=near, gapless=gapless)
 
@@ -50,6 +51,18 @@ def test_a_tooth_that_records_held_out_would_show_and_do_not_is_withdrawn_alone(
     assert [[effect.name for effect in rival.effects] for rival in held.rivals] == [["profile_slope"]]
     words = "more" if share < 0.97 else "not surely less"
     assert held.reasons[-1] == f"On records held out, {words} is left with pitting beside tip_relief than without."
+
+
+@pytest.mark.parametrize(("common", "verdict"), [(True, "ambiguous"), (False, "explained")])
+def test_teeth_that_fit_alike_leave_no_doubt_once_they_are_withdrawn(found: Diagnosis, common: bool, verdict: str) -> None:
+    """Unless what all teeth have is in doubt too."""
+    naming = _with(found, Pitting.example(found.campaign.setup, "wheel", 20))
+    rivals = naming.rivals if common else naming.rivals[1:]
+    naming = dataclasses.replace(naming, verdict="ambiguous", closed=0.99, left=0.5, rivals=rivals)
+    held = beside(naming, found.naming.fit, dataclasses.replace(found.proof, over_nuisances=0.997, foretold=1.017, stderr=0.004))
+    assert held.verdict == verdict
+    assert [effect.name for effect in held.fit.effects] == ["tip_relief"]
+    assert held.sentence.endswith("fit these data as well.") == common
 
 
 @pytest.mark.parametrize(("gapless", "stands"), [(True, False), (False, True)])
