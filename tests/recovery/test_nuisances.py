@@ -319,28 +319,26 @@ def test_the_smooth_correction_stays_as_large_as_the_gap_over_a_part_of_a_turn()
     assert np.sqrt(np.mean((left - smooth.at(record)) ** 2)) < 2.2e5
 
 
-@pytest.mark.parametrize(("beyond", "solved"), [(0.0, True), (0.2, False)])
+@pytest.mark.parametrize(("beyond", "solved"), [(0.0, True), (0.6, False)])
 def test_load_sharing_has_a_solution_as_far_as_coupling_may_go(beyond: float, solved: bool) -> None:
-    """Of a pair shifted far, bodies soft and contact hard by four deviations, teeth up to ten times as uneven as usual; none farther."""
+    """Bodies soft and contact hard by four deviations, edges nearly sharp, and teeth five times as uneven as usual; farther it has none."""
     gears = {
-        "pinion": {"teeth": 16, "profile_shift": 0.8, "bore_radius_mm": 30.0},
-        "wheel": {"teeth": 51, "profile_shift": 1.175, "bore_radius_mm": 60.0},
+        "pinion": {"teeth": 23, "profile_shift": 0.3, "bore_radius_mm": 10.0},
+        "wheel": {"teeth": 41, "profile_shift": 0.1, "bore_radius_mm": 20.0},
     }
-    rated = {"pinion_torque_Nm": 1600.0, "pinion_speed_rpm": 1000.0}
-    shifted = {"pair": {"module_mm": 8.0, "face_width_mm": 75.0}, **gears, "operation": rated}
-    bench, random = SystemBench(system=assemble(make_setup(shifted))), np.random.default_rng(5)
+    rated = {"pinion_torque_Nm": 120.0, "pinion_speed_rpm": 1000.0}
+    bench = SystemBench(system=assemble(make_setup({"pair": {"module_mm": 2.5, "face_width_mm": 25.0}, **gears, "operation": rated})))
     (coupling,) = (nuisance for nuisance in BUILD if nuisance.name == "coupling_scale")
-    wild = {"contact_scale": -4.0, "body_scale": 4.0}
-    pair = bench.system.setup.pair
-    for late in (0.0, 5.0, 20.0):
-        settings = dataclasses.replace(
-            neutral(pair),
-            coupling_scale=coupling.value(coupling.room[1] + beyond),
-            errors=tuple(wild.get(variant.name, 0.0) for variant in bench.errors),
-            pinion_late=late * UM * random.standard_normal(16),
-            wheel_late=late * UM * random.standard_normal(51),
-        )
-        turns = Turns(mesh=bench._system(settings).mesh)
-        angles = np.linspace(0.0, 12.0 * pair.pinion.pitch_angle, 720)
-        with contextlib.nullcontext() if solved else pytest.raises(SolveError):
-            assert np.isfinite(static(turns, angles, 1600.0, 0.1).transmission_error).all()
+    wild, random = {"contact_scale": -4.0, "body_scale": 4.0}, np.random.default_rng(5)
+    settings = dataclasses.replace(
+        neutral(bench.system.setup.pair),
+        coupling_scale=coupling.value(coupling.room[1] + beyond),
+        tip_edge_scale=0.05,
+        evenness=0.8,
+        errors=tuple(wild.get(variant.name, 0.0) for variant in bench.errors),
+        pinion_late=5.0 * UM * random.standard_normal(23),
+        wheel_late=5.0 * UM * random.standard_normal(41),
+    )
+    angles = np.linspace(0.0, 24.0 * math.pi / 23.0, 720)
+    with contextlib.nullcontext() if solved else pytest.raises(SolveError):
+        assert np.isfinite(static(Turns(mesh=bench._system(settings).mesh), angles, 120.0, 0.1).transmission_error).all()

@@ -124,6 +124,7 @@ def test_what_is_named_of_single_teeth_is_asked_again_beside_what_is_named_of_al
 
     for word, stub in {
         "has_means": lambda problem: True,
+        "turns_often": lambda problem, alone: False,
         "untold": lambda problem, first: (),
         "_of_means": lambda *_, **__: step("means", means),
         "_of_teeth": of_teeth,
