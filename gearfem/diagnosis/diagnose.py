@@ -14,7 +14,7 @@ from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.compare import compare
 from gearfem.diagnosis.comparison import Comparison
 from gearfem.diagnosis.fit import Fit, again
-from gearfem.diagnosis.held_out import as_held_out_leaves, beside, instead, without
+from gearfem.diagnosis.held_out import as_held_out_leaves, asked_alone, instead, without
 from gearfem.diagnosis.localise import Localisation, localise
 from gearfem.diagnosis.name import name
 from gearfem.diagnosis.naming import Naming, Rival
@@ -132,7 +132,7 @@ def _opened(problem: Problem, naming: Naming, progress: Progress) -> tuple[Namin
     sound = stays(problem, naming.alone)
     if has_means(problem) and len({shows_in_means(effect) for effect in naming.fit.effects}) > 1:
         rest = without_single(problem, naming.fit)
-        naming = beside(naming, rest, prove(problem, naming.fit, rest, progress))
+        naming = asked_alone(naming, rest, prove(problem, naming.fit, rest, progress))
 
     def asked(one: Naming) -> tuple[Naming, Proof]:
         proof = prove(problem, one.fit, one.alone, progress)

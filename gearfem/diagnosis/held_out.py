@@ -79,7 +79,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
     return naming.with_rest(reason)
 
 
-def beside(naming: Naming, rest: Fit, proof: Proof) -> Naming:
+def asked_alone(naming: Naming, rest: Fit, proof: Proof) -> Naming:
     """Return the verdict once what single teeth and turns have is asked by itself: what the records held out show of it.
 
     Parameters

@@ -90,11 +90,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     if turns_often(problem, alone):
         second, often = _of_teeth(told, alone, single, progress, waves=turns_often)
         if often:
-            # It stays under whatever all teeth have, and means go by wrong index errors: nothing is sought in these.
-            mean = averaged(problem, alone.settings)
-            first = _unnamed(judge(Search(mean, again(mean, (), mean.unknowns.of(alone.settings))), ()))
-            _, *reasons = first.reasons
-            return _joined(problem, alone, dataclasses.replace(first, reasons=(NOTHING_SOUGHT, *reasons)), second)
+            return _joined(problem, alone, _nothing_sought(problem, alone), second)
     first = _of_means(told, alone.settings, common, progress)
     told.untold = untold(told, first)
     if told.untold:
@@ -121,6 +117,14 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
         # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
         first = _unnamed(first)
     return left_open(problem, told.untold, _joined(problem, alone, first, second))
+
+
+def _nothing_sought(problem: Problem, alone: Fit) -> Naming:
+    """Return the verdict on means that are not searched: what swings stays under whatever all teeth have, and makes index errors wrong."""
+    mean = averaged(problem, alone.settings)
+    found = _unnamed(judge(Search(mean, again(mean, (), mean.unknowns.of(alone.settings))), ()))
+    _, *reasons = found.reasons
+    return dataclasses.replace(found, reasons=(NOTHING_SOUGHT, *reasons))
 
 
 def _unnamed(naming: Naming) -> Naming:

@@ -9,7 +9,7 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.diagnose import _opened
-from gearfem.diagnosis.held_out import beside
+from gearfem.diagnosis.held_out import asked_alone
 from gearfem.diagnosis.naming import Naming, Rival
 from gearfem.diagnosis.prove import prove
 from gearfem.effects.effect import Effect
@@ -39,7 +39,7 @@ def test_a_tooth_that_records_held_out_would_show_and_do_not_is_withdrawn_alone(
 ) -> None:
     """The effect of all teeth stays, with what speaks for it, and so do its rivals."""
     naming, rest = _with(found, Pitting.example(found.campaign.setup, "wheel", 20)), found.naming.fit
-    held = beside(naming, rest, dataclasses.replace(found.proof, over_nuisances=share, foretold=foretold, stderr=0.004))
+    held = asked_alone(naming, rest, dataclasses.replace(found.proof, over_nuisances=share, foretold=foretold, stderr=0.004))
     if stands:
         assert held is naming
         return
@@ -59,7 +59,7 @@ def test_teeth_that_fit_alike_leave_no_doubt_once_they_are_withdrawn(found: Diag
     naming = _with(found, Pitting.example(found.campaign.setup, "wheel", 20))
     rivals = naming.rivals if common else naming.rivals[1:]
     naming = dataclasses.replace(naming, verdict="ambiguous", closed=0.99, left=0.5, rivals=rivals)
-    held = beside(naming, found.naming.fit, dataclasses.replace(found.proof, over_nuisances=0.997, foretold=1.017, stderr=0.004))
+    held = asked_alone(naming, found.naming.fit, dataclasses.replace(found.proof, over_nuisances=0.997, foretold=1.017, stderr=0.004))
     assert held.verdict == verdict
     assert [effect.name for effect in held.fit.effects] == ["tip_relief"]
     assert held.sentence.endswith("fit these data as well.") == common
@@ -69,7 +69,7 @@ def test_teeth_that_fit_alike_leave_no_doubt_once_they_are_withdrawn(found: Diag
 def test_a_wave_without_a_gap_must_surely_do_better_beside_other_effects_too(found: Diagnosis, gapless: bool, stands: bool) -> None:
     naming = _with(found, Runout(gear="pinion", eccentricity=5.0 * UM, angle=0.0), gapless)
     proof = dataclasses.replace(found.proof, over_nuisances=1.0, foretold=1.001, stderr=0.004)
-    assert (beside(naming, found.naming.fit, proof) is naming) == stands
+    assert (asked_alone(naming, found.naming.fit, proof) is naming) == stands
 
 
 @pytest.mark.parametrize(("seen", "names"), [(True, ["tip_relief", "pitting"]), (False, ["tip_relief"])])
