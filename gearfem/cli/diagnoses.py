@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from gearfem.cli.steps import Done
-from gearfem.diagnosis.campaign import read_campaign
 from gearfem.diagnosis.diagnose import choose, diagnose
+from gearfem.diagnosis.reading.campaign import read_campaign
 from gearfem.diagnosis.write import refuse_to_replace, write_diagnosis
 from gearfem.effects.catalogue import catalogue, effects_from
 from gearfem.foundation.files import together

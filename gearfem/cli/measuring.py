@@ -12,7 +12,7 @@ from gearfem.cli.steps import Done
 from gearfem.definition.model_file import read_tables, with_overrides
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.diagnose import choose
-from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.reading.quantities import QUANTITIES
 from gearfem.effects import Effect
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import MEMBERS

@@ -9,18 +9,18 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from gearfem.diagnosis.averages import averaged, has_means, of_single_teeth, shows_in_means, stand, without_single
-from gearfem.diagnosis.campaign import Campaign
-from gearfem.diagnosis.compare import compare
-from gearfem.diagnosis.comparison import Comparison
-from gearfem.diagnosis.fit import Fit, again
-from gearfem.diagnosis.held_out import as_held_out_leaves, asked_alone, instead, without
-from gearfem.diagnosis.localise import Localisation, localise
-from gearfem.diagnosis.name import name
-from gearfem.diagnosis.naming import Naming, Rival
-from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.prove import Proof, prove
-from gearfem.diagnosis.search import label, simplicity, stays
+from gearfem.diagnosis.comparing.averages import averaged, has_means, of_single_teeth, shows_in_means, stand, without_single
+from gearfem.diagnosis.comparing.compare import compare
+from gearfem.diagnosis.comparing.comparison import Comparison
+from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.fitting.search import label, simplicity, stays
+from gearfem.diagnosis.localising.localise import Localisation, localise
+from gearfem.diagnosis.naming.name import name
+from gearfem.diagnosis.naming.naming import Naming, Rival
+from gearfem.diagnosis.proving.held_out import as_held_out_leaves, asked_alone, instead, without
+from gearfem.diagnosis.proving.prove import Proof, prove
+from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.suggest import Suggestion, suggest
 from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError, Record, SolveError

@@ -10,14 +10,14 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearfem.definition.setup import Member
-from gearfem.diagnosis.columns import errors_of
-from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.marginal import marginal
-from gearfem.diagnosis.measurement import Measurement, make_record
-from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, slopes
-from gearfem.diagnosis.periods import hunting_period
-from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.system_bench import SystemBench
+from gearfem.diagnosis.fitting.fit import Fit
+from gearfem.diagnosis.fitting.marginal import marginal
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.modelling.columns import errors_of
+from gearfem.diagnosis.modelling.nuisances import BUILD, MOVING, SCALES, slopes
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.reading.measurement import Measurement, make_record
+from gearfem.diagnosis.reading.periods import hunting_period
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.effects.roll import active_flank
 from gearfem.foundation import Array, InputError, Record, SolveError

@@ -10,11 +10,11 @@ from typing import Any
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.model_file import read_tables
 from gearfem.definition.setup import GearPair, Setup
-from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.calibrate import calibration_of
-from gearfem.diagnosis.campaign import Campaign
-from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.prove import Gap, Proof
+from gearfem.diagnosis.fitting.fit import Fit
+from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.modelling.calibrate import calibration_of
+from gearfem.diagnosis.proving.prove import Gap, Proof
+from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.effects.effect import Effect
 from gearfem.foundation.toml import write_toml
 from gearfem.foundation.units import UM, factor

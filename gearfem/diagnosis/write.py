@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from gearfem.diagnosis.campaign import Campaign
 from gearfem.diagnosis.diagnose import Diagnosis
-from gearfem.diagnosis.largest import expected
-from gearfem.diagnosis.naming import Rival
-from gearfem.diagnosis.prove import Gap
+from gearfem.diagnosis.modelling.largest import expected
+from gearfem.diagnosis.naming.naming import Rival
+from gearfem.diagnosis.proving.prove import Gap
+from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.diagnose import Diagnosis
-from gearfem.diagnosis.identify import Identifiability
-from gearfem.diagnosis.naming import Rival
-from gearfem.diagnosis.nuisances import BUILD, MOVING, SCALES, SERIES, Nuisance
-from gearfem.diagnosis.prove import Gap
-from gearfem.diagnosis.roles import ROLES
-from gearfem.diagnosis.teeth import Scatter
+from gearfem.diagnosis.modelling.nuisances import BUILD, MOVING, SCALES, SERIES, Nuisance
+from gearfem.diagnosis.modelling.teeth import Scatter
+from gearfem.diagnosis.naming.identify import Identifiability
+from gearfem.diagnosis.naming.naming import Rival
+from gearfem.diagnosis.proving.prove import Gap
+from gearfem.diagnosis.reading.roles import ROLES
 from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, reasons, stderr
 from gearfem.effects.effect import Effect
 from gearfem.foundation.files import whole

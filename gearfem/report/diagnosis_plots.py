@@ -14,9 +14,9 @@ from matplotlib.ticker import LogLocator
 
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.diagnose import Diagnosis
-from gearfem.diagnosis.localise import Localisation, Map
-from gearfem.diagnosis.roles import ROLES
-from gearfem.diagnosis.zones import PHASES
+from gearfem.diagnosis.localising.localise import Localisation, Map
+from gearfem.diagnosis.localising.zones import PHASES
+from gearfem.diagnosis.reading.roles import ROLES
 from gearfem.foundation import Array
 from gearfem.foundation.units import RPM, digits, written
 from gearfem.report import style

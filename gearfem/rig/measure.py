@@ -12,7 +12,7 @@ import numpy as np
 from gearfem.assembly import assemble
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Gear, Setup
-from gearfem.diagnosis.quantities import QUANTITIES, Quantity
+from gearfem.diagnosis.reading.quantities import QUANTITIES, Quantity
 from gearfem.effects.roll import active_flank
 from gearfem.foundation import Array
 from gearfem.foundation.files import write_csv, write_json

@@ -12,7 +12,7 @@ from gearfem.definition.model_file import read_tables
 from gearfem.definition.schema import Table, Title
 from gearfem.definition.setup import GearPair
 from gearfem.definition.validate import shown
-from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.reading.quantities import QUANTITIES
 from gearfem.foundation import InputError
 
 NotNegative = Annotated[float, Field(ge=0.0, lt=1e12)]

@@ -33,31 +33,57 @@ LINE = (
     "cli",
     "__main__",
 )
+# The same within the diagnosis.
+STEPS = (
+    "reading",
+    "modelling",
+    "fitting",
+    "comparing",
+    "localising",
+    "ranking",
+    "naming",
+    "proving",
+    "suggest",
+    "diagnose",
+    "updated",
+    "write",
+)
 PACKAGE = Path(gearfem.__file__).parent
 MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
+OF_DIAGNOSIS = [path for path in MODULES if "diagnosis" in path.parts and path != PACKAGE / "diagnosis" / "__init__.py"]
 
 
-def room(path: Path) -> str:
-    """Return the name of the package or single-file package that holds a module."""
-    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+def room(path: Path, house: Path) -> str:
+    """Return the name of the package or single-file package within a package that holds a module."""
+    return path.relative_to(house).parts[0].removesuffix(".py")
 
 
-def imported(path: Path) -> set[str]:
-    """Return the rooms of gearfem that a module imports, at its top or late."""
+def imported(path: Path, house: str) -> set[str]:
+    """Return the rooms of a package that a module imports, at its top or late."""
     rooms = set()
     for node in ast.walk(ast.parse(path.read_text())):
         names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-        rooms |= {name.split(".")[1] for name in names if name.startswith("gearfem.")}
+        rooms |= {name.removeprefix(house).split(".")[0] for name in names if name.startswith(house)}
     return rooms
+
+
+def check(path: Path, line: tuple[str, ...], house: str) -> None:
+    """Fail where a module of a package imports what comes after it in a line."""
+    here = room(path, PACKAGE.parent.joinpath(*house.split(".")))
+    assert here in line, f"{here} has no place in the line {line}"
+    late = {other for other in imported(path, house) if line.index(other) > line.index(here)}
+    assert not late, f"{path.name} of {here} imports {late}, which come after it"
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_imports_point_upward(path: Path) -> None:
-    here = room(path)
-    assert here in LINE, f"{here} has no place in the line {LINE}"
-    late = {other for other in imported(path) if LINE.index(other) > LINE.index(here)}
-    assert not late, f"{path.name} of {here} imports {late}, which come after it"
+    check(path, LINE, "gearfem.")
+
+
+@pytest.mark.parametrize("path", OF_DIAGNOSIS, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_within_the_diagnosis_point_upward(path: Path) -> None:
+    check(path, STEPS, "gearfem.diagnosis.")
 
 
 @pytest.mark.parametrize("path", [*MODULES, PACKAGE / "__init__.py"], ids=lambda path: str(path.relative_to(PACKAGE)))

@@ -35,8 +35,8 @@ def in_code(constant: str) -> float:
     """Return the value of a constant, of a module of the diagnosis or else of gearfem."""
     found = CONSTANT.fullmatch(constant)
     assert found
-    home = "gearfem.diagnosis" if (FOLDER / f"{found[1]}.py").exists() else "gearfem"
-    return float(eval(found[2], vars(importlib.import_module(f"{home}.{found[1]}"))))
+    own = next((path.relative_to(FOLDER.parent).with_suffix("") for path in FOLDER.rglob(f"{found[1]}.py")), Path(found[1]))
+    return float(eval(found[2], vars(importlib.import_module(".".join(("gearfem", *own.parts))))))
 
 
 @pytest.mark.parametrize(("value", "constant"), limits(), ids=lambda cell: str(cell).strip("`"))
@@ -49,5 +49,5 @@ def test_method_finds_its_limits() -> None:
 
 
 def test_method_knows_every_module() -> None:
-    missing = [path.stem for path in FOLDER.glob("*.py") if path.stem != "__init__" and f"`{path.stem}`" not in TEXT]
+    missing = [path.stem for path in FOLDER.rglob("*.py") if path.stem != "__init__" and f"`{path.stem}`" not in TEXT]
     assert not missing, f"the text has no place for {missing}"

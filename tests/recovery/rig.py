@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from gearfem.diagnosis import read_campaign
-from gearfem.diagnosis.bench import neutral
-from gearfem.diagnosis.candidate import View, view_of
-from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.modelling.bench import neutral
+from gearfem.diagnosis.ranking.candidate import View, view_of
+from gearfem.diagnosis.reading.noise import measure_noise
 from gearfem.foundation.toml import write_toml
 from gearfem.model import load_model
 from gearfem.rig import measure, read_plan

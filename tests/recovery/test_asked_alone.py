@@ -9,9 +9,9 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.diagnose import _opened
-from gearfem.diagnosis.held_out import asked_alone
-from gearfem.diagnosis.naming import Naming, Rival
-from gearfem.diagnosis.prove import prove
+from gearfem.diagnosis.naming.naming import Naming, Rival
+from gearfem.diagnosis.proving.held_out import asked_alone
+from gearfem.diagnosis.proving.prove import prove
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope

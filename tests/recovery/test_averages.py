@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import orth
 
 from gearfem.diagnosis import Diagnosis, choose, compare, name, read_campaign
-from gearfem.diagnosis.averages import (
+from gearfem.diagnosis.comparing.averages import (
     HAMMERING,
     MISSED,
     PLACES,
@@ -33,18 +33,18 @@ from gearfem.diagnosis.averages import (
     stand,
     teeth_under,
 )
-from gearfem.diagnosis.bench import neutral
-from gearfem.diagnosis.comparison import Comparison
-from gearfem.diagnosis.fit import Fit, again
-from gearfem.diagnosis.gap import gap_left
-from gearfem.diagnosis.name import _by_rows, _joined, _of_means, _scores_by_rows, _told_apart, _verdict
-from gearfem.diagnosis.naming import Naming, Rival, Verdict
-from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.quantities import QUANTITIES
-from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.verdict import explains
-from gearfem.diagnosis.whitening import make_whitener
+from gearfem.diagnosis.comparing.comparison import Comparison
+from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.modelling.bench import neutral
+from gearfem.diagnosis.modelling.teeth import Scatter
+from gearfem.diagnosis.naming.gap import gap_left
+from gearfem.diagnosis.naming.name import _by_rows, _joined, _of_means, _scores_by_rows, _told_apart, _verdict
+from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict
+from gearfem.diagnosis.naming.verdict import explains
+from gearfem.diagnosis.reading.noise import measure_noise
+from gearfem.diagnosis.reading.quantities import QUANTITIES
+from gearfem.diagnosis.reading.whitening import make_whitener
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.friction import Friction
 from gearfem.effects.tip_relief import TipRelief
@@ -137,7 +137,7 @@ def test_nuisances_alone_are_those_that_the_search_has_found(scattered: Comparis
     mean = averaged(problem, settings)
     first = mean.fit((), mean.prepare((), mean.unknowns.of(settings)), rounds=0)
     _, single = teeth_under(problem, settings, ())
-    monkeypatch.setattr(sys.modules["gearfem.diagnosis.name"], "_one", lambda first, second, alone, fit, *words: (alone, fit))
+    monkeypatch.setattr(sys.modules["gearfem.diagnosis.naming.name"], "_one", lambda first, second, alone, fit, *words: (alone, fit))
     namings = (cast(Naming, SimpleNamespace(alone=one, fit=one)) for one in (first, single))
     found = cast(tuple[Fit, Fit], _joined(problem, alone, *namings))
     expected = settings if scale > 1.1 else alone.settings
@@ -248,7 +248,7 @@ def test_the_verdict_is_that_on_means_and_on_single_teeth_together(means: Verdic
 
 def test_nothing_is_named_beside_a_wave_that_no_effect_stands_for(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
     """An encoder off its centre, which is no effect, makes one, and its mean looks like wear."""
-    module = sys.modules["gearfem.diagnosis.name"]
+    module = sys.modules["gearfem.diagnosis.naming.name"]
     problem, first = copy.copy(found.problem), found.naming
     assert first.fit.effects
     second = dataclasses.replace(first, verdict="unexplained", fit=first.alone, best=first.alone)
@@ -264,7 +264,7 @@ def test_nothing_is_named_beside_a_wave_that_no_effect_stands_for(found: Diagnos
 
 def test_means_are_asked_again_under_a_tooth_that_gains_much_and_is_no_name_yet(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
     """Beside a misalignment a pit leaves too much of the gap, and before the pit is known means show nothing of that."""
-    module = sys.modules["gearfem.diagnosis.name"]
+    module = sys.modules["gearfem.diagnosis.naming.name"]
     problem, named = copy.copy(found.problem), found.naming
     alone = named.alone
     nothing = dataclasses.replace(named, verdict="unexplained", fit=alone, best=alone, p_values=())

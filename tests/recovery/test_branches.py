@@ -13,8 +13,8 @@ import pytest
 
 from gearfem.assembly import assemble
 from gearfem.definition.model_file import read_tables
-from gearfem.diagnosis.branches import FAR, NEARER, nearest
-from gearfem.diagnosis.measurement import Measurement, left_of, make_record
+from gearfem.diagnosis.comparing.branches import FAR, NEARER, nearest
+from gearfem.diagnosis.reading.measurement import Measurement, left_of, make_record
 from gearfem.diagnosis.updated import _record
 from gearfem.dynamics.turns import march_turns
 from gearfem.engagement.turns import Turns

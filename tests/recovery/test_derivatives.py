@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearfem.diagnosis import parameters
-from gearfem.diagnosis.fit import jacobian
-from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.fitting import parameters
+from gearfem.diagnosis.fitting.fit import jacobian
+from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.sensor_lag import SensorLag

@@ -32,10 +32,10 @@ from gearfem.diagnosis import (
     standing_out,
     write_diagnosis,
 )
-from gearfem.diagnosis.fit import Fit, jacobian
-from gearfem.diagnosis.one_flank import likeliest_flanks
-from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.rank import lowest
+from gearfem.diagnosis.fitting.fit import Fit, jacobian
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.ranking.one_flank import likeliest_flanks
+from gearfem.diagnosis.ranking.rank import lowest
 from gearfem.diagnosis.suggest import suggest
 from gearfem.diagnosis.updated import write_updated
 from gearfem.diagnosis.write import as_json

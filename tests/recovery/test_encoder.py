@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import choose, compare, name, read_campaign
-from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.index_errors import turns_often
-from gearfem.diagnosis.name import NOTHING_SOUGHT
-from gearfem.diagnosis.naming import Naming
-from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis.fitting.fit import Fit
+from gearfem.diagnosis.fitting.index_errors import turns_often
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.naming.name import NOTHING_SOUGHT
+from gearfem.diagnosis.naming.naming import Naming
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
 from tests.recovery.rig import PLAN, on_the_rig
@@ -36,7 +36,7 @@ def test_a_reading_that_swings_twice_a_turn_is_explained_by_nothing(tmp_path: Pa
     plan = PLAN | {"record": [record for record in PLAN["record"] if record["pinion_torque_Nm"] in (40.0, 120.0)]}
     comparison = compare(read_campaign(_swinging(on_the_rig(tmp_path, {}, plan), 25.0, 2)))
     assert turns_often(comparison.problem, comparison.alone)
-    sought, module = [], sys.modules["gearfem.diagnosis.name"]
+    sought, module = [], sys.modules["gearfem.diagnosis.naming.name"]
     select: Any = module.select
 
     def watched(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], *other: Any) -> Naming:

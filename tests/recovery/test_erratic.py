@@ -11,13 +11,13 @@ import pytest
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis import Diagnosis, averaged, localise
-from gearfem.diagnosis.averages import of_single_teeth
-from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.erratic import erratic, marked, said
-from gearfem.diagnosis.measurement import Measurement, make_record
-from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.prove import _judged
-from gearfem.diagnosis.system_bench import SystemBench
+from gearfem.diagnosis.comparing.averages import of_single_teeth
+from gearfem.diagnosis.comparing.erratic import erratic, marked, said
+from gearfem.diagnosis.modelling.bench import Settings, neutral
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.proving.prove import _judged
+from gearfem.diagnosis.reading.measurement import Measurement, make_record
+from gearfem.diagnosis.reading.noise import measure_noise
 from gearfem.foundation.units import UM
 
 RATED, LIGHT, PART = 50.0, 1.5, 0.35

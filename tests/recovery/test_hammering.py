@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis, averaged
-from gearfem.diagnosis import hammering as module
-from gearfem.diagnosis.hammering import left_open, untold
+from gearfem.diagnosis.naming import hammering as module
+from gearfem.diagnosis.naming.hammering import left_open, untold
 from gearfem.effects.effect import Effect
 
 

@@ -11,10 +11,10 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.diagnose import _opened
-from gearfem.diagnosis.held_out import as_held_out_leaves
-from gearfem.diagnosis.naming import Rival
-from gearfem.diagnosis.prove import Gap, _doubt, _judged, prove
-from gearfem.diagnosis.quantities import QUANTITIES
+from gearfem.diagnosis.naming.naming import Rival
+from gearfem.diagnosis.proving.held_out import as_held_out_leaves
+from gearfem.diagnosis.proving.prove import Gap, _doubt, _judged, prove
+from gearfem.diagnosis.reading.quantities import QUANTITIES
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.profile_wear import ProfileWear
 from gearfem.effects.runout import Runout
@@ -147,8 +147,8 @@ def test_what_names_leave_of_the_fitted_records_is_counted_in_their_floors(found
 
 def test_only_records_held_out_may_begin_otherwise_in_the_proof(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
     """A fit has the fitted ones as they begin: a name that meets one from elsewhere alone has not been fitted to it."""
-    asked = []
-    monkeypatch.setattr(sys.modules["gearfem.diagnosis.prove"], "nearest", lambda record, *other: asked.append(record.role) or record)
+    asked, module = [], sys.modules[prove.__module__]
+    monkeypatch.setattr(module, "nearest", lambda record, *other: asked.append(record.role) or record)
     prove(found.problem, found.naming.fit, found.naming.alone)
     assert asked == ["holdout"] * (3 * len(found.proof.of("holdout")))
 

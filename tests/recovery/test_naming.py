@@ -12,20 +12,20 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis
-from gearfem.diagnosis.fit import Fit, _inexact
-from gearfem.diagnosis.gap import closure, wide
-from gearfem.diagnosis.index_errors import odd_of, turns_often, uneven, waves_of
-from gearfem.diagnosis.measurement import make_record
-from gearfem.diagnosis.mimic import _form_scales, mimicked
-from gearfem.diagnosis.model_form import form_errors
-from gearfem.diagnosis.name import _by_rows
-from gearfem.diagnosis.naming import Verdict, sentence_of
-from gearfem.diagnosis.parameters import at_bounds, overdone
-from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Search, label, stays
-from gearfem.diagnosis.suspects import misshapen, unlikely
-from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.verdict import _mirrored, _verdict_on, explains, judge, needed
+from gearfem.diagnosis.fitting.fit import Fit, _inexact
+from gearfem.diagnosis.fitting.index_errors import odd_of, turns_often, uneven, waves_of
+from gearfem.diagnosis.fitting.mimic import _form_scales, mimicked
+from gearfem.diagnosis.fitting.parameters import at_bounds, overdone
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.fitting.search import Search, label, stays
+from gearfem.diagnosis.modelling.model_form import form_errors
+from gearfem.diagnosis.modelling.teeth import Scatter
+from gearfem.diagnosis.naming.gap import closure, wide
+from gearfem.diagnosis.naming.name import _by_rows
+from gearfem.diagnosis.naming.naming import Verdict, sentence_of
+from gearfem.diagnosis.naming.suspects import misshapen, unlikely
+from gearfem.diagnosis.naming.verdict import _mirrored, _verdict_on, explains, judge, needed
+from gearfem.diagnosis.reading.measurement import make_record
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
@@ -217,7 +217,7 @@ def test_a_form_of_the_flanks_must_gain_more_of_means_that_nuisances_alone_expla
     monkeypatch: pytest.MonkeyPatch, common: bool, explained: bool, effect: Effect, least: float
 ) -> None:
     """Where nothing but the odds of nuisances speaks for it."""
-    monkeypatch.setattr("gearfem.diagnosis.verdict.sound", lambda search: explained)
+    monkeypatch.setattr("gearfem.diagnosis.naming.verdict.sound", lambda search: explained)
     problem = SimpleNamespace(detected=16.0, wander=16.0, imitated=3.0, unknowns=SimpleNamespace(scatter=SimpleNamespace(common=common)))
     assert needed(cast(Search, SimpleNamespace(problem=problem)), (effect,)) == least
 

@@ -11,21 +11,21 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from gearfem.assembly import assemble
-from gearfem.diagnosis.bench import Oscillator, Settings, Swing, Weights, neutral
-from gearfem.diagnosis.campaign import Campaign
-from gearfem.diagnosis.compare import compare
-from gearfem.diagnosis.comparison import Comparison
-from gearfem.diagnosis.localise import localise
-from gearfem.diagnosis.magnitudes import FIT, refuse_magnitudes, speed_misfits
-from gearfem.diagnosis.measurement import Measurement, make_record
-from gearfem.diagnosis.mesh_lines import mesh_lines
-from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.nuisances import BUILD
-from gearfem.diagnosis.roles import Role
-from gearfem.diagnosis.smooth import fit_smooth
-from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import Scatter, respond, tooth_columns
-from gearfem.diagnosis.zones import ZONES, in_zones, leading_teeth
+from gearfem.diagnosis.comparing.compare import compare
+from gearfem.diagnosis.comparing.comparison import Comparison
+from gearfem.diagnosis.comparing.magnitudes import FIT, refuse_magnitudes, speed_misfits
+from gearfem.diagnosis.localising.localise import localise
+from gearfem.diagnosis.localising.zones import ZONES, in_zones, leading_teeth
+from gearfem.diagnosis.modelling.bench import Oscillator, Settings, Swing, Weights, neutral
+from gearfem.diagnosis.modelling.mesh_lines import mesh_lines
+from gearfem.diagnosis.modelling.nuisances import BUILD
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.modelling.teeth import Scatter, respond, tooth_columns
+from gearfem.diagnosis.proving.smooth import fit_smooth
+from gearfem.diagnosis.reading.campaign import Campaign
+from gearfem.diagnosis.reading.measurement import Measurement, make_record
+from gearfem.diagnosis.reading.noise import measure_noise
+from gearfem.diagnosis.reading.roles import Role
 from gearfem.dynamics import DriveTrain
 from gearfem.dynamics.linear_train import linear_train
 from gearfem.engagement.turns import Turns, static

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import read_campaign
-from gearfem.diagnosis.averages import teeth_under
-from gearfem.diagnosis.compare import compare
-from gearfem.diagnosis.naming import Naming
-from gearfem.diagnosis.select import select
+from gearfem.diagnosis.comparing.averages import teeth_under
+from gearfem.diagnosis.comparing.compare import compare
+from gearfem.diagnosis.naming.naming import Naming
+from gearfem.diagnosis.naming.select import select
 from gearfem.effects.pitch_error import PitchError
 from tests.recovery.rig import PLAN, TORQUES, on_the_rig
 

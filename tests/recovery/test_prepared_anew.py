@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearfem.diagnosis import parameters, read_campaign
-from gearfem.diagnosis.bench import neutral
-from gearfem.diagnosis.campaign import Campaign
-from gearfem.diagnosis.fit import _eased, _to_a_factor, again
-from gearfem.diagnosis.problem import Problem
+from gearfem.diagnosis import read_campaign
+from gearfem.diagnosis.fitting import parameters
+from gearfem.diagnosis.fitting.fit import _eased, _to_a_factor, again
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.modelling.bench import neutral
+from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.foundation import Array, SolveError

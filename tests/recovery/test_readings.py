@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gearfem.diagnosis.candidate import View
-from gearfem.diagnosis.readings import APART, _added, _tried, likeliest_readings
-from gearfem.diagnosis.shapes import shapes_of, spread_of
+from gearfem.diagnosis.ranking.candidate import View
+from gearfem.diagnosis.ranking.readings import APART, _added, _tried, likeliest_readings
+from gearfem.diagnosis.ranking.shapes import shapes_of, spread_of
 from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_gain import SensorGain
 from gearfem.effects.sensor_lag import SensorLag

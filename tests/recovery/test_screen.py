@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import choose, compare, rank, read_campaign
-from gearfem.diagnosis.approach import lost
-from gearfem.diagnosis.averages import averaged
-from gearfem.diagnosis.comparison import Comparison
-from gearfem.diagnosis.fit import Fit, again
-from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.screen import in_place, screened
-from gearfem.diagnosis.straying import beyond, halves
+from gearfem.diagnosis.comparing.averages import averaged
+from gearfem.diagnosis.comparing.comparison import Comparison
+from gearfem.diagnosis.fitting.approach import lost
+from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.fitting.straying import beyond, halves
+from gearfem.diagnosis.naming.screen import in_place, screened
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.contact_compliance import ContactCompliance

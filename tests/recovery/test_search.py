@@ -9,11 +9,11 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.name import name
-from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.search import Search
-from gearfem.diagnosis.select import _concluded, _settled_hopeless
+from gearfem.diagnosis.fitting.fit import Fit
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.fitting.search import Search
+from gearfem.diagnosis.naming.name import name
+from gearfem.diagnosis.naming.select import _concluded, _settled_hopeless
 from gearfem.foundation.progress import quiet
 
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis
-from gearfem.diagnosis.fit import Fit
-from gearfem.diagnosis.parameters import faint
-from gearfem.diagnosis.search import Search
-from gearfem.diagnosis.stand_ins import stand_ins
+from gearfem.diagnosis.fitting.fit import Fit
+from gearfem.diagnosis.fitting.parameters import faint
+from gearfem.diagnosis.fitting.search import Search
+from gearfem.diagnosis.modelling.stand_ins import stand_ins
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.effect import Effect

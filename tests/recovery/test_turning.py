@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from gearfem.diagnosis import parameters
-from gearfem.diagnosis.turning import MULTIPLES, turned, turns
+from gearfem.diagnosis.fitting import parameters
+from gearfem.diagnosis.ranking.turning import MULTIPLES, turned, turns
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
 from gearfem.effects.runout import Runout

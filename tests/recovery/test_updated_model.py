@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from gearfem.assembly import assemble
-from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.calibrate import calibrated
-from gearfem.diagnosis.measurement import Measurement, make_record
-from gearfem.diagnosis.system_bench import STRIDE, SystemBench
+from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.modelling.calibrate import calibrated
+from gearfem.diagnosis.modelling.system_bench import STRIDE, SystemBench
+from gearfem.diagnosis.reading.measurement import Measurement, make_record
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.catalogue import catalogue, read_effects
 from gearfem.foundation import Array

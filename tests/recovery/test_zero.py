@@ -6,11 +6,11 @@ import dataclasses
 from pathlib import Path
 
 from gearfem.diagnosis import read_campaign
-from gearfem.diagnosis.compare import _apart, _zero
-from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.problem import Problem
-from gearfem.diagnosis.system_bench import bench_of
-from gearfem.diagnosis.teeth import Scatter
+from gearfem.diagnosis.comparing.compare import _apart, _zero
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.modelling.system_bench import bench_of
+from gearfem.diagnosis.modelling.teeth import Scatter
+from gearfem.diagnosis.reading.noise import measure_noise
 from gearfem.foundation.progress import quiet
 
 from .generator import make_case, write_case

@@ -8,11 +8,11 @@ from scipy.integrate import solve_ivp
 
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
-from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.first_touch import touched_first
-from gearfem.diagnosis.measurement import make_record
-from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import ride_of
+from gearfem.diagnosis.modelling.bench import Settings, neutral
+from gearfem.diagnosis.modelling.first_touch import touched_first
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.modelling.teeth import ride_of
+from gearfem.diagnosis.reading.measurement import make_record
 from gearfem.effects.torque_ripple import TorqueRipple
 from gearfem.foundation.units import UM
 

@@ -9,11 +9,11 @@ import pytest
 
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
-from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.largest import at_peaks, largest_of
-from gearfem.diagnosis.measurement import make_record
-from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import Scatter
+from gearfem.diagnosis.modelling.bench import Settings, neutral
+from gearfem.diagnosis.modelling.largest import at_peaks, largest_of
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.modelling.teeth import Scatter
+from gearfem.diagnosis.reading.measurement import make_record
 from gearfem.foundation.units import UM
 
 TORQUE, SPEEDS = 50.0, np.array([250.0, 500.0])

@@ -10,11 +10,11 @@ import pytest
 
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Setup
-from gearfem.diagnosis.bench import neutral
-from gearfem.diagnosis.measurement import make_record
-from gearfem.diagnosis.model_form import model_form
-from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import Scatter, tooth_columns
+from gearfem.diagnosis.modelling.bench import neutral
+from gearfem.diagnosis.modelling.model_form import model_form
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.modelling.teeth import Scatter, tooth_columns
+from gearfem.diagnosis.reading.measurement import make_record
 
 TORQUE, TURN, SMALL = 50.0, 2.0 * math.pi, 0.005
 

@@ -11,11 +11,11 @@ import pytest
 from gearfem.assembly import assemble
 from gearfem.definition.drive_parts import Support
 from gearfem.definition.setup import Setup
-from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.largest import at_peaks
-from gearfem.diagnosis.measurement import make_record
-from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import Scatter, tooth_columns
+from gearfem.diagnosis.modelling.bench import Settings, neutral
+from gearfem.diagnosis.modelling.largest import at_peaks
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.modelling.teeth import Scatter, tooth_columns
+from gearfem.diagnosis.reading.measurement import make_record
 from gearfem.dynamics import DriveTrain, elastic_motion, modes, unloaded_transport
 from gearfem.dynamics.record import Ripple
 from gearfem.dynamics.supports import RATIO, STIFF, on_supports

@@ -10,11 +10,11 @@ import pytest
 
 from gearfem.assembly import assemble
 from gearfem.definition.setup import Member, Setup
-from gearfem.diagnosis.bench import Settings, neutral
-from gearfem.diagnosis.measurement import make_record
-from gearfem.diagnosis.one_flank import missing_from, on_path
-from gearfem.diagnosis.system_bench import SystemBench
-from gearfem.diagnosis.teeth import Scatter, felt, ride_of, tooth_columns, way_of
+from gearfem.diagnosis.modelling.bench import Settings, neutral
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.modelling.teeth import Scatter, felt, ride_of, tooth_columns, way_of
+from gearfem.diagnosis.ranking.one_flank import missing_from, on_path
+from gearfem.diagnosis.reading.measurement import make_record
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.sensor_gain import SensorGain
 from gearfem.foundation import Array

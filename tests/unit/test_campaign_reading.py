@@ -146,7 +146,7 @@ def test_a_long_record_is_the_mean_of_its_hunting_cycles(folder: Path, campaign:
 
 
 def test_more_rows_than_memory_holds_are_refused(campaign: Callable[..., Campaign], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gearfem.diagnosis.campaign.ROWS", 64 * 1800)
+    monkeypatch.setattr("gearfem.diagnosis.reading.campaign.ROWS", 64 * 1800)
     with pytest.raises(InputError, match="1801 rows in all; allowed: up to 1800"):
         campaign(static("a", 60.0), a=te(1, 60.0))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gearfem import make_setup
-from gearfem.diagnosis.candidate import Candidate
+from gearfem.diagnosis.ranking.candidate import Candidate
 from gearfem.effects.effect import Effect
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.runout import Runout

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from gearfem.diagnosis.marginal import marginal, memory_of, profile
+from gearfem.diagnosis.fitting.marginal import marginal, memory_of, profile
 
 FLOOR, MEMORY = np.array([1.5]), np.array([20.0])
 ROWS = np.array([1000.0])

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from gearfem.diagnosis.marginal import marginal
-from gearfem.diagnosis.measurement import Measurement, make_record
-from gearfem.diagnosis.noise import measure_noise
-from gearfem.diagnosis.whitening import make_whitener
+from gearfem.diagnosis.fitting.marginal import marginal
+from gearfem.diagnosis.reading.measurement import Measurement, make_record
+from gearfem.diagnosis.reading.noise import measure_noise
+from gearfem.diagnosis.reading.whitening import make_whitener
 from gearfem.model import make_setup
 
 SETUP = make_setup(

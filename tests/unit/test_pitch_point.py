@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gearfem.definition.setup import Setup
-from gearfem.diagnosis.measurement import make_record
-from gearfem.diagnosis.pitch_point import COEFFICIENT, WAYS, gradually, sooner_or_later
+from gearfem.diagnosis.modelling.pitch_point import COEFFICIENT, WAYS, gradually, sooner_or_later
+from gearfem.diagnosis.reading.measurement import make_record
 from gearfem.foundation.units import UM
 
 # What a coefficient of 1 does to a slow record [m].

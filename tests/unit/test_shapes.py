@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from gearfem.definition.setup import Setup
-from gearfem.diagnosis.shapes import shapes_of, spread_of
+from gearfem.diagnosis.ranking.shapes import shapes_of, spread_of
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.support_compliance import SupportCompliance
 from gearfem.foundation.units import UM_PER_KN

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from threadpoolctl import threadpool_info
 
-from gearfem.diagnosis.side_by_side import side_by_side
+from gearfem.diagnosis.fitting.side_by_side import side_by_side
 from gearfem.foundation import InputError
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearfem.diagnosis.standing_out import standing_out
+from gearfem.diagnosis.ranking.standing_out import standing_out
 
 
 def test_an_effect_of_one_tooth_stands_out_of_what_all_others_look_like() -> None:

@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from gearfem.diagnosis.bench import Settings
-from gearfem.diagnosis.campaign import Campaign
-from gearfem.diagnosis.measurement import Measurement, make_record
-from gearfem.diagnosis.teeth import Scatter
-from gearfem.diagnosis.unknowns import unknowns_of
+from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.modelling.teeth import Scatter
+from gearfem.diagnosis.modelling.unknowns import unknowns_of
+from gearfem.diagnosis.reading.campaign import Campaign
+from gearfem.diagnosis.reading.measurement import Measurement, make_record
 from gearfem.model import make_setup
 from gearfem.variants import VARIANTS
 

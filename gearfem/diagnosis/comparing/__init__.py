@@ -1,0 +1,1 @@
+"""Compare records with the model: nuisances alone, row by row and in the means over the pitches."""

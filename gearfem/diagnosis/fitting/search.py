@@ -1,0 +1,317 @@
+"""Explanations of a campaign: sets of effects, fitted, scored and compared."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import dataclasses
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from gearfem.diagnosis.fitting.approach import lost, moves_otherwise, unwound
+from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.index_errors import uneven
+from gearfem.diagnosis.fitting.mimic import mimicked
+from gearfem.diagnosis.fitting.parameters import faint, overdone
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.fitting.side_by_side import counted
+from gearfem.diagnosis.fitting.straying import STRAYED, beyond
+from gearfem.effects.effect import MEMBERS, Effect
+from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation.progress import Progress, quiet
+
+# Costs in the score, in units of the objective where noise alone is left: of each parameter, and of each tooth or gear tried.
+PARAMETER = 8.0
+# A further name must gain this share of what the first ones did where it acts as one of them does: less is the difference between their
+# shapes and the real ones, which other effects do not imitate as well.
+FURTHER, FURTHER_OTHER = 0.05, 0.01
+# What it must gain at least, in parts of what scores of the same explanation differ by.
+FURTHER_LEAST = 2.5
+# An effect is named from twice the strength on at which errors of our model imitate it.
+MIMICKED = 0.5
+# Most effects of an explanation.
+MOST = 3
+# Rivals that are fitted again beside the best explanation: those within this share of what it gains.
+NEAR, RIVALS = 0.3, 3
+# Share of what the best explanation gains below which another one is left behind: first fits miss much of what they will gain, not as much.
+BEHIND = 0.2
+# What a fit may leave of a record, over what can be expected, before another start is tried.
+FAR = 2.0
+# Share of what a further name must gain that a fit with one must promise beside the one it builds on, or it is given up.
+LITTLE = 0.5
+# What a parameter costs that ends at a bound: the shape wants to be another one.
+AT_BOUND = 30.0
+
+# Where a fit starts: effects, and nuisances other than those of the fit it builds on.
+Start: TypeAlias = tuple[tuple[Effect, ...], Array | None]
+# Name, gear ("" without, or where either may have it) and tooth (-1 without) of an effect.
+Label: TypeAlias = tuple[str, str, int]
+
+
+class Search:
+    """Explanations that have been fitted, by their labels."""
+
+    def __init__(self, problem: Problem, alone: Fit) -> None:
+        self.problem = problem
+        self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
+        self._mimicked: dict[Fit, tuple[float, ...]] = {}
+
+    @property
+    def alone(self) -> Fit:
+        """Nuisances alone."""
+        return self.fits[()]
+
+    def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects", anew: bool = False) -> None:
+        """Fit sets of effects, told apart by names, gears and teeth; of several starts of one set the best is kept.
+
+        Those not fitted before, or all of them `anew`.
+        """
+        new = [start for start in starts if anew or label(start[0]) not in self.fits]
+        best = min(fit.objective for fit in self.fits.values())
+        worth, further = 0.5 * (self.alone.objective + best), base.objective - LITTLE * self.further_least()
+
+        def one(start: Start) -> Fit | None:
+            hopeless = further if base.effects and len(start[0]) > len(base.effects) else worth
+            try:
+                effects, own = start
+                if own is not None and moves_otherwise(self.problem, base, effects):
+                    return again(copy.copy(self.problem), effects, own, hopeless=hopeless)
+                return self.problem.fit(effects, self.start(start, base), hopeless=hopeless)
+            except (InputError, SolveError):
+                return None
+
+        for found in counted(one, new, progress, words):
+            self._keep(found)
+
+    def start(self, start: Start, base: Fit) -> Array:
+        """Return the nuisances from which effects leave least: those of a fit without them, scales as the model has them, or the start's.
+
+        Scales that did the work of a missing effect stand far off, where derivatives mean little; and so does the zero of the angle.
+        """
+        effects, own = start
+        neutral = self.problem.unknowns.neutral(base.point.unknown)
+        elsewhere = unwound(self.problem, effects, neutral) if lost(self.problem, base) else []
+        starts = (base.point.unknown, neutral, *([] if own is None else [own]), *elsewhere)
+        return min(starts, key=lambda unknown: self.problem.left_at(effects, unknown))
+
+    def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
+        """Fit explanations again, see `again`; those that stay far off or stray, from nuisances as the model has them too.
+
+        The place that a fit descends into goes by where it began. Where one leaves far more than it promised, with columns of another
+        place, it begins where the nuisances alone stand as well: index errors that suit those columns may lead a motion elsewhere.
+        """
+        bare = self.alone.point.stood
+
+        def one(fit: Fit) -> Fit:
+            found = fit
+            with contextlib.suppress(InputError, SolveError):
+                found = again(copy.copy(self.problem), fit.effects, fit.point.stood)
+                if near_by(self.problem, found):
+                    return found
+                starts = [self.problem.unknowns.neutral(fit.point.unknown)]
+                if fit.effects and found.objective > fit.objective + self.problem.wander:
+                    starts.append(bare)
+                for start in starts:
+                    other = again(copy.copy(self.problem), fit.effects, start, hopeless=found.objective)
+                    found = min(found, other, key=self.score)
+            return found
+
+        self._renew(one, fits, progress, words)
+
+    def settle_from(self, starts: Sequence[tuple[tuple[Effect, ...], Array]], progress: Progress, words: str) -> None:
+        """Fit explanations that begin far from the nuisances alone, each prepared where it begins; the better one of a kind stays."""
+
+        def one(start: tuple[tuple[Effect, ...], Array]) -> Fit | None:
+            try:
+                return again(copy.copy(self.problem), *start)
+            except (InputError, SolveError):
+                return None
+
+        for found in counted(one, starts, progress, words):
+            self._keep(found)
+
+    def instead(self, progress: Progress) -> bool:
+        """Fit the nuisances alone from where one of them does what a single effect has gained by; return whether they leave less then.
+
+        Where the effect is a likely value of the nuisance it has gained by where the fit of these began.
+        """
+        starts = []
+        for fit in self.first(len(self.fits)):
+            if len(fit.effects) > 1 or self.gained(fit) < self.problem.wander:
+                continue
+            for one in self.problem.stand_ins:
+                if one.serves(fit.effects[0]) and abs(moved := one.moved(fit.effects[0])) <= STRAYED:
+                    unknown = fit.point.stood
+                    unknown[one.place] = moved
+                    starts.append(((), unknown))
+        before = self.alone
+        self.settle_from(starts, progress, "nuisances in the place of effects")
+        return before.objective - self.alone.objective > self.problem.wander
+
+    def _keep(self, found: Fit | None) -> None:
+        """Keep a fit if it is the best one of its effects so far."""
+        if found is not None:
+            before = self.fits.get(label(found.effects), found)
+            self.fits[label(found.effects)] = min(before, found, key=self.score)
+
+    def abreast(self, progress: Progress) -> None:
+        """Fit all explanations beside the best again from where that stands, so that none wins by where it began."""
+        best = self.best()
+        others = [fit for fit in self.fits.values() if fit is not best]
+
+        def one(fit: Fit) -> Fit:
+            try:
+                found = again(copy.copy(self.problem), fit.effects, best.point.stood, hopeless=fit.objective)
+            except (InputError, SolveError):
+                return fit
+            return min(fit, found, key=self.score)
+
+        self._renew(one, others, progress, "rivals from where the best stands")
+
+    def _renew(self, one: Callable[[Fit], Fit], fits: Sequence[Fit], progress: Progress, words: str) -> None:
+        """Put what becomes of fits in their place."""
+        for fit in counted(one, fits, progress, words):
+            self.fits[label(fit.effects)] = fit
+
+    def first(self, most: int) -> list[Fit]:
+        """Return the best explanations with effects, at most so many."""
+        return sorted((fit for fit in self.fits.values() if fit.effects), key=self.score)[:most]
+
+    def ahead(self, most: int) -> list[Fit]:
+        """Return the best explanations with effects, at most so many, less those left far behind by one that may be named."""
+        fits = self.first(most)
+        gains = [self.gained(fit) for fit in fits]
+        least = BEHIND * gains[0] if gains and gains[0] > self.problem.detected else -math.inf
+        return [fit for fit, gain in zip(fits, gains, strict=True) if gain > least]
+
+    def rivals(self) -> list[Fit]:
+        """Return the explanations that come near the best one, and what is left of that without each of its effects."""
+        best = self.best()
+        least, gained = self.score(best), self.gained(best)
+        parts = {label(effects) for effects, _ in without_one(best)} if len(best.effects) > 1 else set()
+        # What holds the best explanation and more has lost by its cost already: it is no other explanation.
+        own = set(label(best.effects))
+        others = [fit for fit in self.first(len(self.fits)) if not own <= set(label(fit.effects))]
+        near = [fit for fit in others if self.score(fit) - least < NEAR * gained][:RIVALS]
+        return near + [fit for key, fit in self.fits.items() if key in parts and all(fit is not other for other in near)]
+
+    def score(self, fit: Fit) -> float:
+        """Return the score of a fit, see `score`."""
+        return score(self.problem, fit)
+
+    def gained(self, fit: Fit) -> float:
+        """Return by how much a fit scores better than nuisances alone."""
+        return self.score(self.alone) - self.score(fit)
+
+    def best(self, most: int = MOST) -> Fit:
+        """Return the fit of the best score that may be named; effects beside the first pay for themselves too."""
+        like, other = (self.further_least(share) for share in (FURTHER, FURTHER_OTHER))
+
+        def price(fit: Fit) -> float:
+            ways = len({way_of(effect) for effect in fit.effects})
+            further = like * (len(fit.effects) - ways) + other * max(ways - 1, 0)
+            return self.score(fit) + further
+
+        ranked = sorted((fit for fit in self.fits.values() if len(fit.effects) <= most), key=price)
+        return next(fit for fit in ranked if not self.barred(fit))
+
+    def further_least(self, share: float = FURTHER_OTHER) -> float:
+        """Return what a name beside others must gain, if it is at least a share of what explanations gain at most."""
+        most = self.alone.objective - min(fit.objective for fit in self.fits.values())
+        return max(FURTHER_LEAST * self.problem.wander, self.problem.detected, share * most)
+
+    def barred(self, fit: Fit) -> str:
+        """Return why a fit may not be named, in words; empty if it may.
+
+        An effect of it contradicts its own cause, or is as strong as can be, or hardly there, or errors of our model imitate it.
+        """
+        setup = self.problem.campaign.setup
+        for effect in fit.effects:
+            if why := effect.contradicts():
+                return f"{effect.describe()}: {why}"
+        for effect in overdone(fit.effects, setup):
+            return f"{effect.describe()}: as strong as can be, so that something else is missing that looks like it"
+        for effect, deviations in zip(fit.effects, fit.deviations, strict=True):
+            multiplies = any(one.serves(effect) and one.way.is_scale for one in self.problem.stand_ins)
+            if faint(effect, deviations, setup, multiplies):
+                return f"{effect.describe()}: too weak against its own doubt, so that the fit gains by something else"
+        if self.problem.unknowns.scatter.common:
+            # Of means the fit itself knows errors of the model and their size: what is not faint has been told from them.
+            return ""
+        if fit not in self._mimicked:
+            self._mimicked[fit] = mimicked(self.problem, fit)
+        for effect, share in zip(fit.effects, self._mimicked[fit], strict=True):
+            if share > MIMICKED:
+                return f"{effect.describe()}: errors of our own model would be taken for half of it or more"
+        return ""
+
+
+def score(problem: Problem, fit: Fit) -> float:
+    """Return the score of a fit, by which explanations of one problem are told apart; lower is better.
+
+    Parameters
+    ----------
+    problem : Problem
+        Of the records that were fitted.
+    fit : Fit
+        Of effects and nuisances, or of nuisances alone.
+
+    Returns
+    -------
+    float
+        Its objective, and what it pays for parameters, for the teeth and gears among which its effects were chosen, and for parameters at
+        a bound; errors of model and index that do the work of an effect cost as one must gain.
+    """
+    pair = problem.campaign.setup.pair
+    teeth = 2.0 * math.log(pair.pinion.teeth + pair.wheel.teeth)
+    cost = sum(PARAMETER * len(effect.parameters()) + (teeth if hasattr(effect, "tooth") else 0.0) for effect in fit.effects)
+    strayed = problem.detected * float((beyond(errors_of(problem, fit)) ** 2).sum())
+    return fit.objective + cost + AT_BOUND * len(fit.bound) + strayed
+
+
+def errors_of(problem: Problem, fit: Fit) -> Array:
+    """Return errors of our model in prior deviations, and how far index errors are from those of single teeth, see `uneven`."""
+    return np.concatenate([fit.point.unknown[problem.unknowns.first_form :], uneven(problem, fit).ravel()])
+
+
+def stays(problem: Problem, fit: Fit) -> bool:
+    """Return whether scales, errors of our model and index errors of a fit stay where they do the work of no effect."""
+    return not problem.strayed(fit.point.unknown).any() and not beyond(errors_of(problem, fit)).any()
+
+
+def near_by(problem: Problem, fit: Fit) -> bool:
+    """Return whether a fit leaves no record far off and its nuisances stay: one from elsewhere would end no better."""
+    return stays(problem, fit) and bool((fit.squares / problem.floor).max() < FAR)
+
+
+def way_of(effect: Effect) -> tuple[str, str]:
+    """Return how an effect acts, where in the model and how it repeats: one of the same way may do what another one's shape lacks."""
+    return "teeth" if effect.stage in ("flank", "placement") else effect.stage, effect.repeats
+
+
+def label(effects: tuple[Effect, ...]) -> tuple[Label, ...]:
+    """Return names, gears and teeth, by which explanations are told apart."""
+    return tuple(sorted((e.name, "" if e.either_gear else getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects))
+
+
+def simplicity(effects: tuple[Effect, ...]) -> tuple[int, int]:
+    """Return how many effects there are, and parameters: of explanations that fit alike the one with fewest is named."""
+    return len(effects), sum(len(effect.parameters()) for effect in effects)
+
+
+def exchanged(fit: Fit) -> Iterator[Fit]:
+    """Yield a fit with each of its effects that either gear may have on the other one, which no record tells from it."""
+    for place, effect in enumerate(fit.effects):
+        if effect.either_gear:
+            (other,) = (member for member in MEMBERS if member != effect.member)
+            moved = dataclasses.replace(effect, gear=other)  # type: ignore[call-arg]
+            effects = (*fit.effects[:place], moved, *fit.effects[place + 1 :])
+            yield dataclasses.replace(fit, effects=effects, point=dataclasses.replace(fit.point, effects=effects))
+
+
+def without_one(fit: Fit) -> list[Start]:
+    """Return the effects of a fit, each left out in turn."""
+    return [(fit.effects[:out] + fit.effects[out + 1 :], None) for out in range(len(fit.effects))]

@@ -1,0 +1,1 @@
+"""Say where the gap is."""

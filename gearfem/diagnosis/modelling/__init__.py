@@ -1,0 +1,1 @@
+"""What records would read: the model, nuisances, single teeth and errors of the model, and their columns."""

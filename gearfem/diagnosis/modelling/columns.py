@@ -1,0 +1,107 @@
+"""Derivatives of all records over all nuisances at one point, and what eliminates them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.modelling.first_touch import touched_first
+from gearfem.diagnosis.modelling.largest import EXPECTED_RISE, at_peaks
+from gearfem.diagnosis.modelling.model_form import model_form
+from gearfem.diagnosis.modelling.nuisances import slopes
+from gearfem.diagnosis.modelling.pitch_point import gradually
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.modelling.teeth import Scatter, ride_of, tooth_columns
+from gearfem.diagnosis.modelling.unknowns import FREE, Unknowns
+from gearfem.diagnosis.reading.measurement import Measurement
+from gearfem.diagnosis.reading.noise import Noise
+from gearfem.foundation import Array
+from gearfem.variants import Variant
+
+# Least Kw - 1 in parts of which anything is told.
+LEAST = 0.01
+
+
+def make_columns(
+    records: tuple[Measurement, ...], noises: tuple[Noise, ...], unknowns: Unknowns, bench: SystemBench, unknown: Array
+) -> tuple[tuple[Array, ...], tuple[Array, ...], tuple[Array, ...]]:
+    """Return the columns of records at a point.
+
+    Parameters
+    ----------
+    records, noises : tuple of Measurement, tuple of Noise
+        What was measured.
+    unknowns : Unknowns
+        What stands where.
+    bench : SystemBench
+        The model.
+    unknown : ndarray, shape (k,)
+        The point.
+
+    Returns
+    -------
+    tuple of ndarray, shapes (n, i)
+        Of each record over the inner unknowns in prior deviations [SI]: those of `errors_of` behind constants.
+    tuple of ndarray, shapes (m_r, i + outer)
+        The same whitened, and the outer unknowns behind them: scales and the zero of the angle.
+    tuple of ndarray, shapes (n,)
+        What waviness is expected to add to the largest Kw of a turn, in parts of Kw - 1; 0 in all other records.
+    """
+    settings = unknowns.settings(unknown)
+    inner, whole, rises = [], [], []
+    for number, (record, noise) in enumerate(zip(records, noises, strict=True)):
+        here = bench.predict(record, settings)
+        linear = _inner(record, number, unknowns, bench, settings, here)
+        rise = EXPECTED_RISE * linear[:, -1] / np.maximum(np.abs(here - 1.0), LEAST)
+        outer = slopes(record, bench, settings, unknowns.nuisances, unknown[: unknowns.outer], here) * (1.0 + rise)[:, None]
+        inner.append(linear)
+        rises.append(rise)
+        whole.append(noise.whitener.apply(np.concatenate([linear, outer], axis=1)))
+    return tuple(inner), tuple(whole), tuple(rises)
+
+
+def _inner(record: Measurement, number: int, unknowns: Unknowns, bench: SystemBench, settings: Settings, here: Array) -> Array:
+    offset = np.zeros((len(record.axis), len(unknowns.offsets)))
+    if number in unknowns.offsets:
+        offset[:, unknowns.offsets.index(number)] = FREE
+    return np.concatenate([offset, errors_of(record, bench, settings, unknowns.scatter, here, unknowns.errors)], axis=1)
+
+
+def errors_of(
+    record: Measurement, bench: SystemBench, settings: Settings, scatter: Scatter, here: Array, errors: tuple[Variant, ...]
+) -> Array:
+    """Return what errors of single teeth and of our own model do to a record [SI], at one deviation each.
+
+    Parameters
+    ----------
+    record, bench, settings : Measurement, SystemBench, Settings
+        As of `tooth_columns`.
+    scatter : Scatter
+        What is expected of single teeth.
+    here : ndarray, shape (n,)
+        What the model predicts.
+    errors : tuple of Variant
+        How the model may be wrong.
+
+    Returns
+    -------
+    ndarray, shape (n, i)
+        Single teeth, or what these still do to means; model form, see `model_form`; over which way friction turns round, see `gradually`;
+        what the damper acts on, see `touched_first`; and how far the rise of the largest Kw of a turn by waviness may be off, see
+        `at_peaks`.
+    """
+    ride = ride_of(record, bench, settings) if record.quantity.is_motion else None
+    teeth = tooth_columns(record, bench, settings, scatter, ride)
+    largest = record.quantity.name == "dynamic_factor"
+    shared, rise = at_peaks(record, bench, settings, scatter) if largest else (teeth, np.zeros(len(here)))
+    form = model_form(record, bench, settings, here, shared, scatter, errors)
+    single = scatter.rest[record.file] if scatter.rest is not None else teeth * scatter.deviations(bench.pair)
+    turning = gradually(record, bench.pair, _rubbing(form, errors))
+    touch = np.zeros(len(here)) if ride is None else touched_first(record, bench, settings, ride)
+    return np.column_stack([single, form, turning, touch, rise / EXPECTED_RISE])
+
+
+def _rubbing(form: Array, errors: tuple[Variant, ...]) -> Array:
+    """Return what friction does to a record, per unit of its coefficient; 0 where that is none of the unknowns."""
+    own = [form[:, place] / variant.size for place, variant in enumerate(errors) if variant.name == "friction"]
+    return own[0] if own else np.zeros(len(form))

@@ -1,0 +1,79 @@
+"""What errors of our own model would do to the records of a campaign."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.modelling.system_bench import SystemBench
+from gearfem.diagnosis.modelling.teeth import Scatter
+from gearfem.diagnosis.reading.measurement import Measurement
+from gearfem.effects.effect import MEMBERS
+from gearfem.foundation import Array
+from gearfem.foundation.units import UM
+from gearfem.variants import Variant
+
+# Form errors that all teeth of a gear share, beside the waviness of each: of a sound flank, and as a share of what is missing from it,
+# since no relief, wear or slope has quite the shape that its name stands for.
+COMMON_FORM, SHAPE = 0.1 * UM, 0.1
+# Step of derivatives over errors of the model, in standard deviations, forward; half a one puts them off by a quarter near resonances.
+STEP = 0.02
+
+
+def model_form(
+    record: Measurement, bench: SystemBench, settings: Settings, here: Array, teeth: Array, scatter: Scatter, errors: tuple[Variant, ...]
+) -> Array:
+    """Return what our own errors would do to a record, at one standard deviation.
+
+    Parameters
+    ----------
+    record : Measurement
+        Any record.
+    bench : SystemBench
+        The model.
+    settings : Settings
+        Where it stands.
+    here : ndarray, shape (n,)
+        What it predicts there.
+    teeth : ndarray, shape (n, (z1 + z2) (terms + 1))
+        From `tooth_columns`.
+    scatter : Scatter
+        Terms of the form of a flank.
+    errors : tuple of Variant
+        Those that are unknown, the first ones of the bench's.
+
+    Returns
+    -------
+    ndarray, shape (n, v + 2 terms)
+        Derivatives over the errors of the model, then the form errors that all teeth of the pinion, and of the wheel, share.
+    """
+    return np.column_stack([_wrong(record, bench, settings, here, errors), _common(teeth, bench, scatter)])
+
+
+def _wrong(record: Measurement, bench: SystemBench, settings: Settings, here: Array, errors: tuple[Variant, ...]) -> Array:
+    """Return the derivatives of a record over the errors of the model, shape (n, v)."""
+    out = np.zeros((len(record.axis), len(errors)))
+    moved = settings.errors or (0.0,) * len(errors)
+    for place, variant in enumerate(errors):
+        stands = moved[place]
+        step = STEP if stands + STEP <= variant.most else -STEP
+        ahead = (*moved[:place], stands + step, *moved[place + 1 :])
+        out[:, place] = (bench.predict(record, dataclasses.replace(settings, errors=ahead)) - here) / step
+    return out
+
+
+def form_errors(bench: SystemBench) -> tuple[float, float]:
+    """Return the deviation of the form that all teeth of the pinion, and of the wheel, share [m]."""
+    pinion, wheel = (math.hypot(COMMON_FORM, SHAPE * bench.depth(gear)) for gear in MEMBERS)
+    return pinion, wheel
+
+
+def _common(teeth: Array, bench: SystemBench, scatter: Scatter) -> Array:
+    """Return the columns of form errors common to all teeth of either gear, shape (n, 2 terms)."""
+    first = scatter.counts(bench.pair)[0]
+    waves = teeth.reshape(len(teeth), -1, scatter.terms + 1)[:, :, 1:]
+    pinion, wheel = (size * scatter.shapes() for size in form_errors(bench))
+    return np.concatenate([waves[:, :first].sum(axis=1) * pinion, waves[:, first:].sum(axis=1) * wheel], axis=1)

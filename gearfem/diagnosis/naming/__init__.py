@@ -1,0 +1,1 @@
+"""Search for explanations, and name them where they have earned it."""

@@ -1,0 +1,1 @@
+"""Rank effects by what each would explain."""

@@ -1,0 +1,256 @@
+"""Rank the effects of the catalogue by what they would explain, linear about the nuisances alone."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from gearfem.definition.setup import Member
+from gearfem.diagnosis.fitting.approach import lost, moves_otherwise, unwound
+from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.fitting.side_by_side import counted
+from gearfem.diagnosis.ranking.candidate import Candidate, View, candidate_of, scored, view_of
+from gearfem.diagnosis.ranking.likely_teeth import late_tooth, starts_of
+from gearfem.diagnosis.ranking.readings import likeliest_readings
+from gearfem.diagnosis.ranking.shapes import bounded, scanned, shapes_of, spread_of, stands
+from gearfem.diagnosis.ranking.turning import turned, turns
+from gearfem.effects.effect import MEMBERS, Effect
+from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation.progress import Progress, quiet
+
+# Rounds in which the strength of a candidate is improved, unless it promises less than this anyway.
+REFINED, WORTH = 2, 5.0
+# Shapes of an effect that are looked at in motion too.
+LIKELIEST = 2
+# Places from which such an effect is fitted, under each set of nuisances: those that leave least as they stand.
+MET = 3
+# Rounds in which such fits begin where their derivatives are taken anew, and how many of them go on.
+BEGUN, LED = 2, 2
+# Effects of all teeth that are looked at again beside what is found.
+LOOKED_AT = 8
+
+# Where a fit starts: effects and unknowns.
+Start: TypeAlias = tuple[tuple[Effect, ...], Array]
+
+
+def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> tuple[Candidate, ...]:
+    """Return the effects that these records can show, the one that explains most first.
+
+    Parameters
+    ----------
+    problem : Problem
+        Records, noise and nuisances.
+    base : Fit
+        Of the nuisances alone, or with effects already named: what it leaves is to be explained.
+    kinds : mapping of str to type
+        Effects to try.
+    progress : Progress
+        Told after each effect.
+
+    Returns
+    -------
+    tuple of Candidate
+        One for each effect and gear, of what either gear may have for the pinion alone, two for effects of one tooth; those without any
+        response are left out.
+    """
+    jobs = [(kind, member) for kind in kinds.values() for member in _members(kind)]
+    return _ranked(problem, base, jobs, progress, "candidates")
+
+
+def _members(kind: type[Effect]) -> tuple[Member, ...]:
+    return MEMBERS if kind.of_one_gear() and not kind.either_gear else MEMBERS[:1]
+
+
+def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], progress: Progress = quiet) -> tuple[Candidate, ...]:
+    """Return candidates in the order of what they would explain beside effects that have been fitted.
+
+    Parameters
+    ----------
+    problem, base : Problem, Fit
+        The fit with effects.
+    candidates : tuple of Candidate
+        From `rank` for the nuisances alone: their signatures tell which effects are worth another look.
+    progress : Progress
+        Told after each effect.
+
+    Returns
+    -------
+    tuple of Candidate
+        Effects of all teeth that are named already are left out.
+    """
+    freed, setup = problem.freed(base.point), problem.campaign.setup
+    teeth = {(type(c.effect), c.effect.member): None for c in candidates if hasattr(c.effect, "tooth")}
+    whole = [c for c in candidates if not hasattr(c.effect, "tooth")]
+    likely = sorted(whole, key=lambda c: -scored(c.effect, c.signature, freed, setup, c.unknown).gain)
+    named = {(type(effect), effect.member) for effect in base.effects}
+    others = {kind: None for c in likely[:LOOKED_AT] if (kind := (type(c.effect), c.effect.member)) not in named}
+    return _ranked(problem, base, [*teeth, *others], progress, "candidates beside what is found")
+
+
+def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]], progress: Progress, words: str) -> tuple[Candidate, ...]:
+    found: list[Candidate] = []
+    weights, squares = base.point.weights, base.squares
+    view, slow = view_of(problem, base, weights, squares), None
+    places = np.flatnonzero([not record.quantity.moving for record in problem.records])
+    if len(places):
+        slow = view_of(problem.part(places), base, weights[places], squares[places])
+
+    def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
+        starts = starts_of(problem, view.base, *job)
+        tried = [_fitted(view, start) if stands(start) else _best(view, slow, start) for start in starts]
+        tried += [candidate_of(view, *late) for late in late_tooth(problem, view.base, *job)]
+        return [candidate for candidate in tried if candidate is not None]
+
+    # The longest first, so that all cores end together.
+    for several in counted(one, sorted(jobs, key=lambda job: _tries(problem, job), reverse=True), progress, words):
+        found += several
+    return tuple(sorted(found, key=lambda candidate: -candidate.gain))
+
+
+def _tries(problem: Problem, job: tuple[type[Effect], Member]) -> tuple[bool, bool, int]:
+    """Return what tells how long an effect takes: whether it is fitted as it stands, is sought on every tooth, and its sizes and shapes."""
+    kind, member = job
+    first = kind.example(problem.campaign.setup, member)
+    return stands(first), hasattr(first, "tooth"), len(spread_of(first, problem.campaign.setup))
+
+
+def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
+    """Return the effect at the shape, and then the strength, that explain most."""
+    setup = view.problem.campaign.setup
+    likely = _waves(view, start) if turns(start) else _likeliest(slow, start) if slow is not None else []
+    if not likely and slow is not None and any(record.quantity.moving for record in view.problem.records):
+        return _fitted(view, start)
+    likely = likely or [(effect, None) for effect in shapes_of(start, setup)]
+    candidates = [candidate_of(view, effect, unknown) for effect, unknown in likely]
+    good = [candidate for candidate in candidates if candidate is not None]
+    if not good:
+        return None
+    # Of what explains as much, to rounding, the first: a handful of numbers is met by any shape.
+    best = max(good, key=lambda candidate: round(candidate.gain, 3))
+    for _ in range(REFINED if best.gain > WORTH else 0):
+        # Half way from here to where the response would end if it were linear, since it bends.
+        strength = best.amplitude if best.amplitude < 1.0 else 0.5 * (1.0 + best.amplitude)
+        effect = bounded(best.effect.scaled(min(strength, 3.0), setup), setup)
+        other = candidate_of(view, effect, best.unknown)
+        if other is None or other.gain <= best.gain:
+            break
+        best = other
+    return best
+
+
+def _fitted(view: View, start: Effect) -> Candidate | None:
+    """Return an effect as fits from several places find it: one that cannot be scaled, or that motions alone feel."""
+    problem, base = view.problem, view.base
+    if not any(record.quantity.moving for record in problem.records):
+        return None
+    tried: list[tuple[float, Start]] = []
+    for unknown in (base.point.unknown, *_elsewhere(view, start)):
+        with contextlib.suppress(InputError, SolveError):
+            effects = _sizes(view, start, unknown)
+            starts: list[Start] = [((*base.effects, effect), unknown) for effect in effects]
+            left = [problem.left_at(*place) for place in starts]
+            pits = lowest(left) if scanned(start, problem.campaign.setup) else range(len(left))
+            # Where nuisances do the work of an effect a little of it leaves less than all of it does where they have come back.
+            tried += sorted(((left[place], starts[place]) for place in pits), key=lambda item: item[0])[:MET]
+    nearest = [place for _, place in sorted(tried, key=lambda item: item[0])]
+    if moves_otherwise(problem, base, (start,)):
+        return max(_candidates(view, _prepared(view, nearest)), key=lambda candidate: candidate.gain, default=None)
+    found = _fits(problem, nearest, 2, base.objective)
+    ahead = sorted(found, key=lambda fit: fit.objective)[:1]
+    fits = _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, base.objective)
+    return max(_candidates(view, fits), key=lambda candidate: candidate.gain, default=None)
+
+
+def _sizes(view: View, start: Effect, unknown: Array) -> list[Effect]:
+    """Return an effect that cannot be scaled, or that motions alone feel, at sizes from which it may lead near under some nuisances."""
+    if start.stage != "sensing":
+        return spread_of(start, view.problem.campaign.setup)
+    return likeliest_readings(view if unknown is view.base.point.unknown else _moved(view, unknown), start)
+
+
+def lowest(left: Sequence[float]) -> list[int]:
+    """Return the places of a scan that leave no more than their neighbours: a fit from any other one ends where one from these does."""
+    edged = [math.inf, *left, math.inf]
+    return [place for place, here in enumerate(left) if here <= min(edged[place], edged[place + 2])]
+
+
+def _moved(view: View, unknown: Array) -> View:
+    """Return the same fit under other nuisances."""
+    point = view.problem.at(view.base.effects, unknown)
+    return View(problem=view.problem, base=dataclasses.replace(view.base, point=point), freed=view.problem.freed(point))
+
+
+def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:
+    """Return the last effect of each fit as it stands there; its signature is what it does under the nuisances of that fit."""
+    problem, base, found = view.problem, view.base, []
+    for fit in fits:
+        signature = problem.response(fit.point, base.effects)
+        if signature @ signature > 0.0:
+            standing = scored(fit.effects[-1], signature, view.freed, problem.campaign.setup, fit.point.unknown)
+            found.append(dataclasses.replace(standing, gain=max(base.objective - fit.objective, 0.0), amplitude=1.0))
+    return found
+
+
+def _fits(problem: Problem, starts: list[Start], rounds: int, hopeless: float = np.inf) -> list[Fit]:
+    found = []
+    for effects, unknown in starts:
+        with contextlib.suppress(InputError, SolveError):
+            found.append(problem.fit(effects, unknown, rounds, hopeless))
+    return found
+
+
+def _prepared(view: View, starts: list[Start]) -> list[Fit]:
+    """Return fits with columns taken under their effects: of those that lead lowest in a few rounds, unless they end above the first."""
+    begun: list[Fit] = []
+    for effects, unknown in starts:
+        with contextlib.suppress(InputError, SolveError):
+            here = copy.copy(view.problem)
+            begun.append(here.fit(effects, here.prepare(effects, unknown), BEGUN, view.base.objective))
+    found: list[Fit] = []
+    for fit in sorted(begun, key=lambda fit: fit.objective)[:LED]:
+        with contextlib.suppress(InputError, SolveError):
+            least = min((fit.objective for fit in found), default=view.base.objective)
+            found.append(again(copy.copy(view.problem), fit.effects, fit.point.stood, hopeless=least))
+    return found
+
+
+def _waves(view: View, start: Effect) -> list[tuple[Effect, Array | None]]:
+    """Return an effect that comes with the turns of a shaft where it explains most, and the nuisances beside it."""
+    return [(effect, unknown) for effect in turned(view, start) for unknown in (None, *_elsewhere(view, effect))]
+
+
+def _likeliest(slow: View, start: Effect) -> list[tuple[Effect, Array | None]]:
+    """Return the shapes of an effect, and the nuisances, that explain most of the slow records, which cost a hundredth of motions.
+
+    None where slow records are blind to it, as to most of what is not periodic.
+    """
+    found: list[Candidate] = []
+    if start.repeats == "not periodic":
+        return []
+    for effect in shapes_of(start, slow.problem.campaign.setup):
+        here = candidate_of(slow, effect)
+        found += [here] if here is not None else []
+    found.sort(key=lambda candidate: -candidate.gain)
+    return [(candidate.effect, candidate.unknown) for candidate in found[:LIKELIEST]]
+
+
+def _elsewhere(view: View, effect: Effect) -> list[Array]:
+    """Return nuisances other than those of a fit that is far from the records, from which an effect may lead nearer.
+
+    Scales as the model has them, since those of the fit do the work of what is missing: all, or those of motions alone, of which slow
+    records say nothing; and zeros of the pinion angle as they look with the effect in the model, since effects that change all flanks much
+    move the mesh lines.
+    """
+    problem, base = view.problem, view.base
+    if not lost(problem, base):
+        return []
+    unknowns, stood = problem.unknowns, base.point.unknown
+    neutral = unknowns.neutral(stood)
+    return [neutral, *([unknowns.resting(stood)] if unknowns.moving else []), *unwound(problem, (*base.effects, effect), neutral)]

@@ -1,0 +1,1 @@
+"""Read campaigns: records, their faults and roles, and the noise in them."""

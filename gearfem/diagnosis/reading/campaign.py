@@ -1,0 +1,179 @@
+"""Campaigns: measurements of one gear pair, read, checked and in SI."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from gearfem.definition.model_file import read_tables
+from gearfem.definition.setup import Gear, GearPair, Setup
+from gearfem.diagnosis.reading.faults import Fault, find_faults
+from gearfem.diagnosis.reading.measurement import Measurement
+from gearfem.diagnosis.reading.periods import hunting_period, mean_cycle
+from gearfem.diagnosis.reading.quantities import QUANTITIES
+from gearfem.diagnosis.reading.roles import Role, share_roles
+from gearfem.diagnosis.reading.schema import RecordTable, validate_campaign
+from gearfem.diagnosis.reading.series import read_series
+from gearfem.diagnosis.reading.siblings import refuse_duplicates, refuse_odd_units
+from gearfem.foundation import InputError, Record
+from gearfem.foundation.units import RPM
+from gearfem.model import load_model
+
+# Rows from which on records over several hunting cycles are taken as their mean; and rows times teeth at most, each of which takes some
+# 400 bytes of memory: 12 GB.
+LONG, ROWS = 20_000, 30_000_000
+
+
+@dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
+class Campaign(Record):
+    """Measurements of one gear pair and the model that its owner believes in.
+
+    Parameters
+    ----------
+    name : str
+        Title.
+    path, model : str
+        Files of the campaign and of its model.
+    setup : Setup
+        That model.
+    angle_known : bool
+        Whether pinion angle 0 is pair 0 in contact at the pitch point.
+    records : tuple of Measurement
+        In the order of the file.
+    remarks : tuple of Fault
+        Faults that were repaired and decisions that were taken, to be reported.
+    """
+
+    name: str
+    path: str
+    model: str
+    setup: Setup
+    angle_known: bool
+    records: tuple[Measurement, ...]
+    remarks: tuple[Fault, ...] = ()
+
+    def of(self, role: Role) -> tuple[Measurement, ...]:
+        """Return the records of one role."""
+        return tuple(record for record in self.records if record.role == role)
+
+    @property
+    def fitted(self) -> tuple[Measurement, ...]:
+        """Records that are fitted: those of role "fit", without those whose first tooth is unknown unless there are no others.
+
+        A gear off the rig whose first tooth nobody knows says little about single teeth; that tooth is sought when such a record is proven.
+        """
+        records = self.of("fit")
+        return tuple(record for record in records if record.tooth_known) or records
+
+
+def read_campaign(path: str | Path) -> Campaign:
+    """Read a campaign, check its data and share out the roles that it leaves open.
+
+    Parameters
+    ----------
+    path : str or Path
+        Campaign file, or the folder that holds it as campaign.toml; model and records are found relative to it.
+
+    Returns
+    -------
+    Campaign
+
+    Raises
+    ------
+    InputError
+        One line with file, key or row, what was found and what is allowed. Isolated spikes and single missing rows are
+        repaired and listed in `remarks`; every other fault of the data is refused.
+    """
+    path = Path(path)
+    path = path / "campaign.toml" if path.is_dir() else path
+    try:
+        table = validate_campaign(read_tables(path))
+    except InputError as error:
+        raise error.in_file(str(path)) from None
+    model = path.parent / table.model
+    setup = load_model(model)
+    records, remarks = [], []
+    for index, entry in enumerate(table.record, 1):
+        try:
+            record, found = _measurement(path.parent, entry, setup.pair)
+        except InputError as error:
+            where = f"record[{index}].{error.where}" if error.file is None else error.where
+            raise InputError(where, error.found, error.allowed, error.file or str(path)) from None
+        records.append(record)
+        remarks += found
+    try:
+        refuse_duplicates(records)
+        refuse_odd_units([record for record in records if record.quantity.name == "static_transmission_error"], path.parent)
+    except InputError as error:
+        raise error.in_file(str(path)) from None
+    rows, most = sum(len(record.axis) for record in records), ROWS // (setup.pair.pinion.teeth + setup.pair.wheel.teeth)
+    if rows > most:
+        raise InputError("record", f"{rows} rows in all", f"up to {most} for this pair: keep every second row, or fewer turns", str(path))
+    roles, decisions = share_roles([entry.role for entry in table.record], [(r.quantity, r.pinion_torque, r.pinion_speed) for r in records])
+    for record, decision in zip(records, decisions, strict=True):
+        if decision:
+            remarks.append(Fault(record=record.file, kind="role", rows=(), sentence=decision))
+    campaign = Campaign(
+        name=table.name or path.stem,
+        path=str(path),
+        model=str(model),
+        setup=setup,
+        angle_known=table.angle_zero == "pitch_point",
+        records=tuple(dataclasses.replace(record, role=role) for record, role in zip(records, roles, strict=True)),
+        remarks=(),
+    )
+    for record in campaign.of("fit"):
+        if record not in campaign.fitted:
+            idle = "no part in the fit, since its first tooth is unknown: that is sought when the verdict is proven"
+            remarks.append(Fault(record=record.file, kind="role", rows=(), sentence=idle))
+    return dataclasses.replace(campaign, remarks=tuple(remarks))
+
+
+def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Measurement, list[Fault]]:
+    quantity = QUANTITIES[entry.quantity]
+    gear = _gear(pair, entry.gear)
+    if entry.tooth is not None and entry.tooth >= gear.teeth:
+        raise InputError("tooth", entry.tooth, f"an integer from 0 to {gear.teeth - 1}, the teeth of the {entry.gear}")
+    series = read_series(folder / entry.file, quantity.columns)
+    try:
+        keep, faults = find_faults(entry.file, quantity, series, pair, gear)
+    except InputError as error:
+        raise error.in_file(str(folder / entry.file)) from None
+    axis, value = (column * unit for column, unit in zip((series.axis, series.value), quantity.factors, strict=True))
+    record = Measurement(
+        file=entry.file,
+        quantity=quantity,
+        axis=axis,
+        value=value,
+        line=series.line,
+        keep=keep,
+        pinion_torque=0.0 if quantity.of_gear else entry.pinion_torque_Nm or 0.0,
+        pinion_speed=(entry.pinion_speed_rpm or 0.0) * RPM if quantity.axis == "angle" else 0.0,
+        gear=entry.gear,
+        tooth=entry.tooth,
+        tooth_known=entry.tooth_zero is None,
+        noise_std=None if entry.noise_std is None else entry.noise_std * quantity.factors[1],
+        role_given=entry.role is not None,
+    )
+    if quantity.axis == "angle" and len(axis) > LONG and np.ptp(axis) > 2.0 * hunting_period(pair):
+        record, cycles = _mean_of(record, pair)
+        said = f"the mean of {cycles} hunting cycles is taken, {len(record.axis)} of {len(axis)} rows"
+        faults.append(Fault(record=entry.file, kind="mean", rows=(), sentence=said))
+    return record, faults
+
+
+def _mean_of(record: Measurement, pair: GearPair) -> tuple[Measurement, int]:
+    """Return a record over several hunting cycles as their mean, whose noise is less, and how many they are."""
+    axis, line = record.axis[record.keep], record.line[record.keep]
+    value, cycles = mean_cycle(axis, record.value[record.keep], hunting_period(pair))
+    rows, noise = len(value), record.noise_std and record.noise_std / math.sqrt(cycles)
+    whole = {"axis": axis[:rows], "line": line[:rows], "keep": np.ones(rows, bool)}
+    return dataclasses.replace(record, value=value, noise_std=noise, **whole), cycles
+
+
+def _gear(pair: GearPair, member: Literal["pinion", "wheel"] | None) -> Gear:
+    return pair.wheel if member == "wheel" else pair.pinion
