@@ -24,16 +24,15 @@ from gearfem.diagnosis import (
     compare,
     diagnose,
     fit,
-    likely_teeth,
     localise,
     prove,
     read_campaign,
     score,
-    standing_out,
     write_diagnosis,
 )
 from gearfem.diagnosis.fitting.fit import Fit, jacobian
 from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.ranking import likely_teeth, standing_out
 from gearfem.diagnosis.ranking.one_flank import likeliest_flanks
 from gearfem.diagnosis.ranking.rank import lowest
 from gearfem.diagnosis.suggest import suggest
