@@ -267,7 +267,7 @@ def fits_of(source: Path) -> list[FittedFlank]:
         for record in campaign.get("record", []):
             if record.get("quantity") == "flank_profile":
                 pair = load_model(path.parent / campaign["model"]).pair
-                gear = pair.pinion if record["gear"] == "pinion" else pair.wheel
+                gear = pair.gear(record["gear"])
                 points = read_flank(path.parent / record["file"], record["file"], record["gear"], record.get("tooth"), gear)
                 found.append(fit_flank(points, gear))
     return found

@@ -68,7 +68,7 @@ def read_runouts(campaigns: Mapping[str, Campaign]) -> list[dict[str, Any]]:
     rows = []
     for name, campaign in campaigns.items():
         for record in campaign.records:
-            gear = campaign.setup.pair.wheel if record.gear == "wheel" else campaign.setup.pair.pinion
+            gear = campaign.setup.pair.gear(record.gear)
             amplitude, phase, left = first_order(record, gear.teeth)
             set_um = 10.0 * float(re.sub(r"\D", "", name))
             rows.append(
@@ -119,7 +119,7 @@ def draw_runouts(campaigns: Mapping[str, Campaign], rows: list[dict[str, Any]], 
     chosen = dict.fromkeys([names[0], names[len(names) // 2], names[-1]])
     for name, colour in zip(chosen, (style.GREEN, style.BLUE, style.VERMILION), strict=False):
         record = campaigns[name].records[0]
-        gear = campaigns[name].setup.pair.wheel if record.gear == "wheel" else campaigns[name].setup.pair.pinion
+        gear = campaigns[name].setup.pair.gear(record.gear)
         amplitude, phase, _ = first_order(record, gear.teeth)
         wave = amplitude * np.cos(2.0 * np.pi * record.axis / gear.teeth - phase)
         middle = float(np.mean(record.value - wave))
@@ -147,7 +147,7 @@ def read_wear(campaigns: Mapping[str, Campaign]) -> tuple[list[dict[str, Any]], 
     rows, fits = [], []
     for name, campaign in campaigns.items():
         pair, record = campaign.setup.pair, campaign.records[0]
-        gear = pair.wheel if record.gear == "wheel" else pair.pinion
+        gear = pair.gear(record.gear)
         points = read_flank(Path(campaign.path).parent / record.file, record.file, record.gear or "wheel", record.tooth, gear)
         fit = fit_flank(points, gear)
         depth = fit.curve.at(fit.roll)

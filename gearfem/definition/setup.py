@@ -198,6 +198,10 @@ class GearPair(Record):
         """Path of recess on the line of action, pitch point to pinion tip [m]."""
         return self._path(self.pinion)
 
+    def gear(self, member: Member | None) -> Gear:
+        """Return the wheel, or the pinion for any other."""
+        return self.wheel if member == "wheel" else self.pinion
+
     def _path(self, gear: Gear) -> float:
         height = math.sqrt(max(gear.tip_radius**2 - gear.base_radius**2, 0.0))
         return height - gear.base_radius * math.tan(self.working_pressure_angle)

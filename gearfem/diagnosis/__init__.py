@@ -3,7 +3,7 @@
 from gearfem.diagnosis.comparing.averages import averaged
 from gearfem.diagnosis.comparing.compare import compare
 from gearfem.diagnosis.diagnose import Diagnosis, choose, diagnose, fit
-from gearfem.diagnosis.fitting.search import score
+from gearfem.diagnosis.fitting.score import score
 from gearfem.diagnosis.localising.localise import localise
 from gearfem.diagnosis.modelling.system_bench import bench_of
 from gearfem.diagnosis.naming.name import name

@@ -14,7 +14,7 @@ from gearfem.diagnosis.comparing.compare import compare
 from gearfem.diagnosis.comparing.comparison import Comparison
 from gearfem.diagnosis.fitting.fit import Fit, again
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.search import label, simplicity, stays
+from gearfem.diagnosis.fitting.score import label, simplicity, stays
 from gearfem.diagnosis.localising.localise import Localisation, localise
 from gearfem.diagnosis.naming.name import name
 from gearfem.diagnosis.naming.naming import Naming, Rival
@@ -23,7 +23,7 @@ from gearfem.diagnosis.proving.prove import Proof, prove
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.suggest import Suggestion, suggest
 from gearfem.effects.effect import Effect
-from gearfem.foundation import InputError, Record, SolveError
+from gearfem.foundation import UNCOMPUTABLE, InputError, Record
 from gearfem.foundation.progress import Progress, quiet
 
 # Draws of noise behind each map.
@@ -114,7 +114,10 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
     comparison = compare(campaign, progress=progress)
     problem, alone = comparison.problem, comparison.alone
     before = localise(comparison, draws=DRAWS, progress=progress)
-    naming, proof = _opened(problem, name(problem, alone, kinds, progress), progress)
+    named = name(problem, alone, kinds, progress)
+    naming, proof = _opened(problem, named, progress)
+    if naming.fit.effects and naming.fit is not named.fit:
+        problem.prepare(naming.fit.effects, naming.fit.point.stood)
     after = localise(comparison, naming.fit, DRAWS, progress=progress) if naming.fit.effects else before
     draft = Diagnosis(
         comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=(), tried=tuple(sorted(kinds))
@@ -129,7 +132,8 @@ def _opened(problem: Problem, naming: Naming, progress: Progress) -> tuple[Namin
     What single teeth and turns have beside effects of all teeth is asked by itself first. Where the records withdraw the simplest of
     explanations that fit alike, each of the others is fitted to all records and asked the same.
     """
-    sound = stays(problem, naming.alone)
+    sound, told = stays(problem, naming.alone), copy.copy(problem)
+    told.untold = naming.untold
     if has_means(problem) and len({shows_in_means(effect) for effect in naming.fit.effects}) > 1:
         rest = without_single(problem, naming.fit)
         naming = asked_alone(naming, rest, prove(problem, naming.fit, rest, progress))
@@ -147,8 +151,8 @@ def _opened(problem: Problem, naming: Naming, progress: Progress) -> tuple[Namin
         if key in lost:
             continue
         try:
-            one, its = asked(instead(naming, rival, fit(problem, rival.effects, rival.fit, progress)))
-        except (InputError, SolveError):
+            one, its = asked(instead(naming, rival, fit(told, rival.effects, rival.fit, progress)))
+        except UNCOMPUTABLE:
             lost[key] = f"{' + '.join(effect.name for effect in rival.effects)} cannot be fitted to all records."
             continue
         if one.fit.effects:

@@ -20,7 +20,7 @@ from gearfem.diagnosis.reading.measurement import Measurement, make_record
 from gearfem.diagnosis.reading.periods import hunting_period
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.effects.roll import active_flank
-from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.foundation.units import RPM, UM
 
@@ -34,6 +34,8 @@ AMOUNT = 0.05
 # Torques tried, in parts of the rated one, and speeds in parts of the one at which the mesh meets its resonance.
 TORQUES, SPEEDS = (0.05, 0.3, 0.6, 1.0), ((0.6, 1.4), (0.85, 1.2))
 TAKEN = 1.3
+# What is read as an angle by the same instrument.
+ERRORS = ("static_transmission_error", "dynamic_transmission_error")
 # Standard deviations by which two explanations are told apart, and beyond which any measurement decides: the cheaper one wins then.
 TOLD, ENOUGH = 3.0, 20.0
 
@@ -118,7 +120,7 @@ def suggest(problem: Problem, fit: Fit, rivals: Iterable[tuple[Effect, ...]], pr
         progress("what to measure next", number, len(plans))
         try:
             apart = _apart(problem, fit, plan, explanations)
-        except (InputError, SolveError):
+        except UNCOMPUTABLE:
             continue
         worth = float(np.minimum(apart, ENOUGH).mean()) / plan.cost
         found.append((worth, Suggestion(words=plan.words, separation=float(apart.min()), told=_told(apart), cost=plan.cost)))
@@ -170,7 +172,8 @@ def _plans(problem: Problem, fit: Fit, explanations: list[tuple[Effect, ...]]) -
     """Return the measurements that the campaign has not taken."""
     setup, records = problem.campaign.setup, problem.campaign.records
     pair, rated = setup.pair, setup.operation.pinion_torque
-    noise = [one.std for one in problem.noises if one is not None and one.std < 1e-4]
+    own = zip(problem.records, problem.noises, strict=True)
+    noise = [one.std for record, one in own if record.quantity.name in ERRORS]
     std = float(np.median(noise)) if noise else 0.3 * UM
     angle = np.arange(round(TURNS * pair.pinion.teeth * SAMPLES)) / SAMPLES * pair.pinion.pitch_angle
     plans = []
@@ -210,7 +213,7 @@ def _of_gears(problem: Problem, explanations: list[tuple[Effect, ...]]) -> list[
     setup = problem.campaign.setup
     plans = []
     for member in MEMBERS:
-        teeth = (setup.pair.pinion if member == "pinion" else setup.pair.wheel).teeth
+        teeth = setup.pair.gear(member).teeth
         active = active_flank(setup, member)
         roll = np.linspace(active.lowest, active.tip, 61)
         suspects = {getattr(e, "tooth", 0) for effects in explanations for e in effects if e.stage == "flank" and e.member == member}

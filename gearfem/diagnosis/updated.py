@@ -15,11 +15,10 @@ from gearfem.diagnosis.modelling.bench import Settings
 from gearfem.diagnosis.modelling.calibrate import calibration_of
 from gearfem.diagnosis.proving.prove import Gap, Proof
 from gearfem.diagnosis.reading.campaign import Campaign
-from gearfem.effects.effect import Effect
+from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation.toml import write_toml
 from gearfem.foundation.units import UM, factor
 
-MEMBERS = ("pinion", "wheel")
 # Stands for infinity, which files do not take, in the unit of any key.
 ENDLESS = 1e15
 
@@ -114,7 +113,7 @@ def _record(known: Calibration, gap: Gap, pair: GearPair) -> dict[str, Any]:
     record = gap.measurement
     table: dict[str, Any] = {"file": record.file, "offset_um": (known.offset(record.file) + gap.offset) / UM}
     if not record.tooth_known:
-        teeth = (pair.wheel if record.gear == "wheel" else pair.pinion).teeth
+        teeth = pair.gear(record.gear).teeth
         table["first_tooth"] = (known.first_tooth(record.file) + gap.first_tooth) % teeth
     if any(record.kick):
         table["kick"] = list(record.kick)

@@ -20,7 +20,6 @@ from gearfem.effects.effect import Effect
 from gearfem.foundation import InputError
 from gearfem.foundation.files import write_csv, write_json
 from gearfem.foundation.units import RPM, UM, factor
-from gearfem.variants import VARIANTS
 
 RESULT, MODEL, MAPS = "diagnosis.json", "updated.toml", "maps.csv"
 # A nuisance beyond so many prior deviations is a finding itself.
@@ -180,7 +179,7 @@ def nuisance_rows(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for nuisance, moved in zip(problem.nuisances, fit.point.unknown, strict=False):
         rows.append(_row(nuisance.name, nuisance.words, float(moved), float(getattr(fit.settings, nuisance.name)), nuisance.unit))
-    for variant, moved in zip(VARIANTS, fit.point.unknown[problem.unknowns.first_form :], strict=False):
+    for variant, moved in zip(problem.unknowns.errors, fit.point.unknown[problem.unknowns.wrong], strict=True):
         rows.append(_row(variant.name, f"error of the model: {variant.words}", float(moved), variant.value(float(moved)), variant.unit))
     if any(record.quantity.is_motion for record in problem.records):
         touch = float(fit.point.unknown[problem.unknowns.touch])

@@ -251,7 +251,7 @@ class Effect(Record, abc.ABC):
         setup : Setup
             The pair.
         """
-        gear = setup.pair.pinion if self.member == "pinion" else setup.pair.wheel
+        gear = setup.pair.gear(self.member)
         if self.member not in MEMBERS:
             raise InputError("gear", f'"{self.member}"', '"pinion" or "wheel"')
         tooth = getattr(self, "tooth", 0)

@@ -15,7 +15,7 @@ from gearfem.flank import Outline
 
 def of_section(share: float) -> Size:
     """Return a share of the section through both 30 degree tangent points [m]."""
-    return lambda setup, member: share * section_chord(Outline(gear=setup.pair.pinion if member == "pinion" else setup.pair.wheel))
+    return lambda setup, member: share * section_chord(Outline(gear=setup.pair.gear(member)))
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

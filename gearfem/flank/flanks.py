@@ -98,7 +98,7 @@ def make_flanks(setup: Setup) -> Flanks:
 
 def _outlines(setup: Setup, member: Member) -> tuple[Outline, tuple[tuple[int, Outline], ...]]:
     """Return the outline of most teeth of a gear, and those of single teeth that were measured."""
-    gear = setup.pair.pinion if member == "pinion" else setup.pair.wheel
+    gear = setup.pair.gear(member)
     surface = "material.surface_yield_pressure_MPa" if gear.tip_run_out > 0.0 else ""
     whole = _named(member, surface, lambda: with_run_out(gear))
     odd: dict[int, Outline] = {}

@@ -161,7 +161,7 @@ def fit_flank(points: MeasuredFlank, gear: Gear) -> FittedFlank:
 
 def fitted_flanks(setup: Setup) -> tuple[FittedFlank, ...]:
     """Return the fits of all flanks that a model gives as measured, in its order."""
-    return tuple(fit_flank(points, setup.pair.pinion if points.member == "pinion" else setup.pair.wheel) for points in setup.flanks_given)
+    return tuple(fit_flank(points, setup.pair.gear(points.member)) for points in setup.flanks_given)
 
 
 def _refuse_few(points: MeasuredFlank, number: int, where: str, outline: Outline) -> None:

@@ -45,3 +45,7 @@ class InputError(ValueError):
 
 class SolveError(RuntimeError):
     """A computation that did not reach its tolerance; the message says which, and what to try."""
+
+
+# What a model raises where it is moved to a place at which there is none: beyond bounds, unsolved, or no longer finite.
+UNCOMPUTABLE = (InputError, SolveError, FloatingPointError)

@@ -113,11 +113,11 @@ def plot_records(diagnosis: Diagnosis) -> Figure | None:
     gaps = [gap for gap in diagnosis.proof.records if gap.measurement.quantity.axis == "angle"]
     if not gaps:
         return None
-    pitch = diagnosis.campaign.setup.pair.pinion.pitch_angle
+    pitch, bench = diagnosis.campaign.setup.pair.pinion.pitch_angle, diagnosis.problem.bench(())
     figure, axes = style.make_figure((11.4, 0.9 + 1.7 * ((len(gaps) + 1) // 2)), rows=(len(gaps) + 1) // 2, columns=2)
     for axis, gap in zip(axes, gaps, strict=False):
         record = gap.measurement
-        place = (record.axis + diagnosis.naming.fit.settings.angle_offset) / pitch
+        place = bench.turned(record.axis, diagnosis.naming.fit.settings) / pitch
         place = place - np.ceil(place[0])
         shown = (place >= 0.0) & (place <= ONE_RECORD) & record.keep
         axis.plot(place[shown], gap.nuisances_only[shown] * record.to_file, color=style.ORANGE, linewidth=1.0, label="nuisances alone")

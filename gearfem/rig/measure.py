@@ -99,7 +99,7 @@ def _truth(setup: Setup, plan: Plan, teeth: np.random.Generator, zero: np.random
 def _series(system: System, plan: Plan, record: PlannedRecord, random: np.random.Generator) -> tuple[dict[str, Array], dict[str, float]]:
     """Return the columns of a record in the units of its file, and what was drawn for it."""
     quantity, chain = QUANTITIES[record.quantity], plan.instrument_of(record)
-    gear = system.setup.pair.wheel if record.gear == "wheel" else system.setup.pair.pinion
+    gear = system.setup.pair.gear(record.gear)
     first = int(random.integers(gear.teeth)) if record.tooth_zero else 0
     request, turns = planned(system.setup, record, first)
     axis = request.axis - first
@@ -128,7 +128,7 @@ def planned(setup: Setup, record: PlannedRecord, first: int = 0) -> tuple[Reques
     request : Request
     turns : ndarray, shape (n,)
     """
-    gear = setup.pair.wheel if record.gear == "wheel" else setup.pair.pinion
+    gear = setup.pair.gear(record.gear)
     axis, turns = _axis(setup, record, QUANTITIES[record.quantity], gear)
     request = requests()[record.quantity](
         axis=axis + first,

@@ -213,7 +213,7 @@ def _check(where: str, record: PlannedRecord, pair: GearPair) -> None:
             raise InputError(f"{where}.{key}", "nothing", f"{WORDS[key]}; {quantity.name} needs it")
         if value is not None and not needed:
             raise InputError(f"{where}.{key}", shown(value), f"nothing: {quantity.name} has no such key")
-    teeth = (pair.wheel if record.gear == "wheel" else pair.pinion).teeth
+    teeth = pair.gear(record.gear).teeth
     if record.tooth is not None and record.tooth >= teeth:
         raise InputError(f"{where}.tooth", record.tooth, f"an integer from 0 to {teeth - 1}, the teeth of the {record.gear}")
     if record.tooth_zero and quantity.axis != "tooth":

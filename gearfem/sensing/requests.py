@@ -53,7 +53,7 @@ class Request(Record, abc.ABC):
     tooth: int = 0
     file: str = ""
     stride: float = STRIDE
-    kick: tuple[float, float] = (0.0, 0.0)
+    kick: tuple[float, float] | None = None
 
     @abc.abstractmethod
     def of(self, system: System) -> Array:
@@ -73,7 +73,7 @@ class StaticError(Request):
 
 def _motion(system: System, channel: Channel, asked: Request) -> Array:
     """Return what is asked for of a motion at speed."""
-    kick = asked.kick if any(asked.kick) else system.setup.calibration.kick(asked.file)
+    kick = system.setup.calibration.kick(asked.file) if asked.kick is None else asked.kick
     return at_speed(system, channel, asked.axis, asked.pinion_torque, asked.pinion_speed, asked.stride, kick)
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.diagnose import _opened
+from gearfem.diagnosis.naming.name import _one
 from gearfem.diagnosis.naming.naming import Naming, Rival
 from gearfem.diagnosis.proving.held_out import asked_alone
 from gearfem.diagnosis.proving.prove import prove
@@ -27,7 +28,7 @@ def _with(found: Diagnosis, single: Effect, gapless: bool = False) -> Naming:
     pit = Pitting.example(setup, "pinion", 2)
     sets = ((ProfileSlope.example(setup, "pinion"), single), (relief, pit), (relief, single, pit))
     near = tuple(Rival(effects=effects, score_difference=1.0, why="", near=True, fit=fit) for effects in sets)
-    return dataclasses.replace(found.naming, fit=fit, p_values=(1e-9, 1e-3), rivals=near, gapless=gapless)
+    return dataclasses.replace(found.naming, fit=fit, p_values=(1e-9, 1e-3), rivals=near, level=1.0 if gapless else 3.0)
 
 
 @pytest.mark.parametrize(
@@ -63,6 +64,20 @@ def test_teeth_that_fit_alike_leave_no_doubt_once_they_are_withdrawn(found: Diag
     assert held.verdict == verdict
     assert [effect.name for effect in held.fit.effects] == ["tip_relief"]
     assert held.sentence.endswith("fit these data as well.") == common
+
+
+def test_one_verdict_has_as_many_chances_as_effects_for_each_explanation_as_good(found: Diagnosis) -> None:
+    """In the order of these, so that any of them may be published in the place of what is named."""
+    setup, teeth = found.campaign.setup, _with(found, Pitting.example(found.campaign.setup, "wheel", 20))
+    first, pit = found.naming, dataclasses.replace(found.naming.fit, effects=(Pitting.example(setup, "wheel", 20),))
+    near = Rival(effects=(Pitting.example(setup, "pinion", 2),), score_difference=1.0, why="", near=True, fit=pit, p_values=(0.3,))
+    far = dataclasses.replace(near, near=False, p_values=())
+    second = dataclasses.replace(teeth, fit=pit, p_values=(0.2,), rivals=(near, far))
+    slope = Rival(effects=(ProfileSlope.example(setup, "pinion"),), score_difference=2.0, why="", near=True, fit=pit, p_values=(0.4,))
+    joined = _one(dataclasses.replace(first, p_values=(0.1,), rivals=(slope,)), second, first.alone, teeth.fit, "All teeth", "Single teeth")
+    found_so = {tuple(effect.name for effect in rival.effects): rival.p_values for rival in joined.rivals if rival.near}
+    assert found_so == {("tip_relief", "pitting"): (0.1, 0.3), ("profile_slope", "pitting"): (0.4, 0.2)}
+    assert [rival.p_values for rival in joined.rivals if not rival.near] == [()]
 
 
 @pytest.mark.parametrize(("gapless", "stands"), [(True, False), (False, True)])

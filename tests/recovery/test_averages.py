@@ -302,7 +302,7 @@ def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaig
         p_values=(0.1,),
         without="unexplained",
         gains=True,
-        gapless=False,
+        level=3.0,
         closed=1.0,
         left=0.9,
         rivals=(Rival(effects=right.effects, score_difference=5.0, why="", near=True, fit=right, p_values=(0.5,)),),

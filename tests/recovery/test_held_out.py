@@ -11,15 +11,20 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.diagnose import _opened
+from gearfem.diagnosis.fitting.score import label
+from gearfem.diagnosis.modelling.calibrate import Left
 from gearfem.diagnosis.naming.naming import Rival
-from gearfem.diagnosis.proving.held_out import as_held_out_leaves
+from gearfem.diagnosis.proving.held_out import as_held_out_leaves, without
 from gearfem.diagnosis.proving.prove import Gap, _doubt, _judged, prove
+from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.quantities import QUANTITIES
 from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.profile_wear import ProfileWear
 from gearfem.effects.runout import Runout
+from gearfem.foundation import SolveError
 from gearfem.foundation.progress import quiet
 from gearfem.foundation.units import UM
+from gearfem.sensing import System
 
 
 @pytest.mark.parametrize(
@@ -94,9 +99,9 @@ def test_waves_that_index_errors_hold_as_well_must_surely_beat_them_where_nobody
     runout = Runout(gear="pinion", eccentricity=5.0 * UM, angle=0.0)
     naming = dataclasses.replace(found.naming, fit=dataclasses.replace(found.naming.fit, effects=(runout,)), without="no_discrepancy")
     proof = dataclasses.replace(found.proof, over_nuisances=share, foretold=foretold, over_smooth=smooth, stderr=0.02)
-    held = as_held_out_leaves(dataclasses.replace(naming, gapless=gapless), proof, sound=False)
+    held = as_held_out_leaves(dataclasses.replace(naming, level=1.0 if gapless else 3.0), proof, sound=False)
     assert held.verdict == ("explained" if stays else "no_discrepancy")
-    teeth = as_held_out_leaves(dataclasses.replace(found.naming, gapless=gapless), proof, sound=False)
+    teeth = as_held_out_leaves(dataclasses.replace(found.naming, level=1.0 if gapless else 3.0), proof, sound=False)
     assert teeth.verdict == "explained"
 
 
@@ -134,6 +139,37 @@ def test_an_explanation_as_good_stands_where_the_simplest_is_withdrawn(
             assert {name for name, rival in others.items() if rival.near} == set(standing) - {named}
             assert "records held out" in others["profile_slope"].why
             assert any("is left with profile_slope" in reason for reason in held.reasons)
+
+
+@pytest.mark.parametrize(("level", "verdict"), [(9.0, "partly_explained"), (1.2, "explained")])
+def test_one_explanation_that_is_left_explains_as_much_as_if_it_had_been_alone(found: Diagnosis, level: float, verdict: str) -> None:
+    """Half of a wide gap closed is a part of it; where nuisances leave as little as in some healthy pairs no share need be."""
+    near = Rival(effects=found.naming.fit.effects, score_difference=1.0, why="", near=True, fit=found.naming.fit)
+    naming = dataclasses.replace(found.naming, verdict="ambiguous", level=level, closed=0.5, left=1.2, rivals=(near,))
+    assert without(naming, {label(near.effects): "withdrawn"}).verdict == verdict
+
+
+def test_a_record_held_out_that_no_model_has_is_left_out_of_the_proof(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that was fitted is not."""
+    module, (held,) = sys.modules[prove.__module__], found.proof.of("holdout")
+    left_of = module.left_of
+
+    def none_of(role: str) -> None:
+        def left(record: Measurement, system: System) -> Left:
+            if record.role == role:
+                raise SolveError("load sharing did not converge")
+            return left_of(record, system)
+
+        monkeypatch.setattr(module, "left_of", left)
+
+    none_of("holdout")
+    proof = prove(found.problem, found.naming.fit, found.naming.alone)
+    assert [gap.role for gap in proof.records] == ["fit"] * len(found.problem.records)
+    assert proof.over_nuisances is None
+    assert proof.reasons[-1].startswith(f"{held.measurement.file} is left out of the proof")
+    none_of("fit")
+    with pytest.raises(SolveError, match="load sharing"):
+        prove(found.problem, found.naming.fit, found.naming.alone)
 
 
 def test_what_names_leave_of_the_fitted_records_is_counted_in_their_floors(found: Diagnosis) -> None:

@@ -14,15 +14,16 @@ import pytest
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fitting.fit import Fit, _inexact
 from gearfem.diagnosis.fitting.index_errors import odd_of, turns_often, uneven, waves_of
-from gearfem.diagnosis.fitting.mimic import _form_scales, mimicked
 from gearfem.diagnosis.fitting.parameters import at_bounds, overdone
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.search import Search, label, stays
+from gearfem.diagnosis.fitting.score import label, stays
 from gearfem.diagnosis.modelling.model_form import form_errors
 from gearfem.diagnosis.modelling.teeth import Scatter
 from gearfem.diagnosis.naming.gap import closure, wide
+from gearfem.diagnosis.naming.mimic import _form_scales, mimicked
 from gearfem.diagnosis.naming.name import _by_rows
 from gearfem.diagnosis.naming.naming import Verdict, sentence_of
+from gearfem.diagnosis.naming.search import Search
 from gearfem.diagnosis.naming.suspects import misshapen, unlikely
 from gearfem.diagnosis.naming.verdict import _mirrored, _verdict_on, explains, judge, needed
 from gearfem.diagnosis.reading.measurement import make_record

@@ -11,8 +11,8 @@ import pytest
 
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.search import Search
 from gearfem.diagnosis.naming.name import name
+from gearfem.diagnosis.naming.search import Search
 from gearfem.diagnosis.naming.select import _concluded, _settled_hopeless
 from gearfem.foundation.progress import quiet
 

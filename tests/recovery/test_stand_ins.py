@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from types import SimpleNamespace
 from typing import cast
@@ -12,8 +13,8 @@ import pytest
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.parameters import faint
-from gearfem.diagnosis.fitting.search import Search
 from gearfem.diagnosis.modelling.stand_ins import stand_ins
+from gearfem.diagnosis.naming.search import Search
 from gearfem.effects.body_compliance import BodyCompliance
 from gearfem.effects.contact_compliance import ContactCompliance
 from gearfem.effects.effect import Effect
@@ -40,6 +41,19 @@ def test_beside_an_effect_what_does_the_same_is_not_there(found: Diagnosis) -> N
     problem.prepare((), unknown)
     assert problem.fit(effects, unknown, rounds=1).point.unknown[places[served]].tolist() == [0.0, 0.0]
     assert problem.at((), unknown).stood[places[served]].tolist() == [1.0, 1.0]
+
+
+def test_what_an_effect_holds_still_moves_without_it(found: Diagnosis) -> None:
+    """Whatever the problem was prepared under; at no strength an effect changes no column."""
+    problem, unknown = copy.copy(found.problem), np.zeros_like(found.naming.fit.point.unknown)
+    none, effects = (), (ContactCompliance(scale=1.0), SensorGain(scale=1.0))
+    start = problem.prepare(none, unknown)
+    costs = [problem.at(chosen, start).objective for chosen in (none, effects)]
+    assert costs[1] > costs[0] + 1e-3
+    problem.prepare(effects, unknown)
+    assert [problem.at(chosen, start).objective for chosen in (none, effects)] == pytest.approx(costs, rel=1e-9, abs=0.0)
+    assert problem.beside(none).whole.deviations[problem.unknowns.wrong.start - problem.outer] < 1.0
+    assert problem.whole.deviations[problem.unknowns.wrong.start - problem.outer] == 1.0
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from gearfem.diagnosis.fitting import parameters
+from gearfem.diagnosis.ranking.rank import _best, rank
+from gearfem.diagnosis.ranking.shapes import shapes_of
 from gearfem.diagnosis.ranking.turning import MULTIPLES, turned, turns
 from gearfem.effects.catalogue import catalogue
 from gearfem.effects.effect import Effect
@@ -32,6 +35,23 @@ def test_an_order_beyond_the_first_few_is_found_with_its_phase(tmp_path: Path) -
     assert first.phase == pytest.approx(-2.5, rel=0.0, abs=0.1)
     # A place to start from: index errors have taken part of it, and at a low torque, where few pairs touch, all this bends.
     assert first.amplitude == pytest.approx(2.0, rel=0.25, abs=0.0)
+
+
+def test_no_part_of_an_order_is_tried() -> None:
+    setup = make_setup(NOMINAL)
+    ripple = TorqueRipple.example(setup, "pinion")
+    assert {shape.order for shape in shapes_of(ripple, setup)} == {ripple.order}  # type: ignore[attr-defined]
+
+
+def test_an_order_that_does_not_stand_out_is_not_fitted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What it would do is kept, to say what the records show of it."""
+    view = beside_nuisances(tmp_path, [], [record for record in PLAN["record"] if record["pinion_torque_Nm"] in (6.0, 120.0)])
+    module = sys.modules[rank.__module__]
+    monkeypatch.setattr(module, "turned", lambda *_: [])
+    monkeypatch.setattr(module, "_fitted", lambda *_: pytest.fail("it was fitted"))
+    shown = _best(view, view, TorqueRipple.example(view.problem.campaign.setup, "pinion"))
+    assert shown is not None
+    assert (shown.gain, shown.signature.any()) == (0.0, True)
 
 
 def test_an_order_is_chosen_and_not_fitted() -> None:

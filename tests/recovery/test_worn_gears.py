@@ -9,7 +9,7 @@ import pytest
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fitting.approach import unwound
 from gearfem.diagnosis.fitting.parameters import unlikely, unlikely_slopes
-from gearfem.diagnosis.fitting.search import Search
+from gearfem.diagnosis.naming.search import Search
 from gearfem.effects.profile_wear import ProfileWear
 from gearfem.effects.sensor_gain import SensorGain
 from gearfem.foundation.units import UM

@@ -23,7 +23,7 @@ SETUP = make_setup(
 
 def started(effect: Effect, amplitude: float) -> Effect:
     """Return where a fit of an effect starts whose response should be so many times larger."""
-    seen = {"signature": np.ones(3), "visible": 1.0, "share": 1.0}
+    seen = {"signature": np.ones(3), "share": 1.0}
     return Candidate(effect=effect, gain=50.0, amplitude=amplitude, unknown=None, **seen).start(SETUP)
 
 

@@ -66,15 +66,6 @@ def test_noise_is_found_under_what_repeats_and_made_white(memory: float) -> None
     assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.15
 
 
-def test_spectrum_integrates_to_the_variance() -> None:
-    covariance = 4.0 * 0.6 ** np.arange(2)
-    found = dataclasses.replace(
-        measure_noise(measured(repeating(400)), PAIR), covariance=covariance, whitener=make_whitener(covariance, np.ones(9, bool))
-    )
-    cycles = (np.arange(2000) + 0.5) / 4000.0
-    assert (found.spectrum(cycles) ** 2).mean() * 0.5 == pytest.approx(4.0, rel=1e-6, abs=0.0)
-
-
 def test_a_stated_deviation_is_a_floor_and_more_than_it_is_no_noise() -> None:
     quiet = measured(repeating(3000) + np.random.default_rng(3).normal(0.0, 1e-7, 3000))
     assert measure_noise(dataclasses.replace(quiet, noise_std=3e-7), PAIR).std == pytest.approx(3e-7, rel=1e-9, abs=0.0)
@@ -93,7 +84,7 @@ def test_half_a_turn_has_its_roughness() -> None:
     found = measure_noise(measured(value), PAIR)
     assert found.basis == "roughness"
     assert found.std == pytest.approx(2e-7, rel=0.25, abs=0.0)
-    assert found.limit(0.01) > 2.6
+    assert found.freedom < 200.0
 
 
 def coloured(count: int, std: float, memory: float = 0.8) -> np.ndarray:

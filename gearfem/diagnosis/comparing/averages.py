@@ -153,7 +153,7 @@ def averaged(problem: Problem, settings: Settings, effects: tuple[Effect, ...] =
         return problem.make((*known, *further))
 
     scatter = dataclasses.replace(scatter, rest=_rest(records, noises, bench, settings, scatter))
-    level = dataclasses.replace(neutral(campaign.setup.pair), pinion_late=settings.pinion_late, wheel_late=settings.wheel_late)
+    level = neutral(campaign.setup.pair).with_teeth_of(settings)
     unknowns = unknowns_of(campaign, records, scatter, problem.unknowns.errors, level=level)
     found = Problem(campaign, records, noises, bench=problem.make, unknowns=unknowns, known=known)
     found.wander = found.least = WANDER
@@ -179,8 +179,7 @@ def of_single_teeth(problem: Problem, settings: Settings, effects: tuple[Effect,
     which : callable
         Which quantities are among the records: `every`, `slow`, or those of `of_teeth`.
     """
-    even = neutral(problem.campaign.setup.pair)
-    level = dataclasses.replace(settings, pinion_late=even.pinion_late, wheel_late=even.wheel_late)
+    level = settings.with_teeth_of(neutral(problem.campaign.setup.pair))
     kept = [i for i, record in enumerate(problem.records) if which(record.quantity)]
     records, noises = tuple(problem.records[i] for i in kept), tuple(problem.noises[i] for i in kept)
 
@@ -218,7 +217,7 @@ def stand(problem: Problem, fit: Fit, teeth: Problem, single: Fit) -> Fit:
         From `of_single_teeth` under it: constants, index errors, waviness and effects of single teeth.
     """
     both, own, split = beside(fit, single), single.point.unknown, teeth.unknowns.first_form
-    settings = dataclasses.replace(fit.settings, pinion_late=single.settings.pinion_late, wheel_late=single.settings.wheel_late)
+    settings = fit.settings.with_teeth_of(single.settings)
     known = problem.unknowns.of(settings)
     unknown = np.concatenate([known[: problem.outer], own[:split], known[problem.unknowns.wrong], own[split:]])
     problem.prepare(both.effects, unknown)
@@ -313,7 +312,7 @@ def hammering(record: Measurement, bench: SystemBench, settings: Settings) -> fl
     """Return how far the motion of a record as settings have it is one whose flanks hammer, from 0 to 1: apart for much of the time."""
     if not record.quantity.is_motion:
         return 0.0
-    swing = bench.swing(record.axis + settings.angle_offset, record.pinion_torque, record.pinion_speed, settings, record.kick)
+    swing = bench.swing(bench.turned(record.axis, settings), record.pinion_torque, record.pinion_speed, settings, record.kick)
     return float(np.interp(np.mean(swing.stiffness == 0.0), (APART, HAMMERS), (0.0, 1.0)))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearfem.diagnosis.reading.measurement import Measurement
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 
 # Beginnings that are tried: lag and rate of `march_turns`.
 KICKS = ((0.0, 0.0), (-1.0, 0.0), (1.0, 0.0), (-3.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.0, 3.0), (0.0, -3.0))
@@ -58,7 +58,7 @@ def nearest(record: Measurement, far: float, here: Array, left: Callable[[Measur
     tried: dict[Kick, Array] = {record.kick: here}
     for kick in (kick for kick in KICKS if kick != record.kick):
         # What cannot be computed from one beginning may be from another.
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             tried[kick] = left(dataclasses.replace(record, kick=kick))
     best = min(tried, key=lambda kick: record.rms(tried[kick]))
     part = None if pitch is None else _longer_part(record, tried, NEARER * record.rms(tried[best]), pitch)

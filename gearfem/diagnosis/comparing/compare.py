@@ -20,7 +20,7 @@ from gearfem.diagnosis.comparing.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.fitting.approach import at_rest, fit_from, lost, part_of, tuned
 from gearfem.diagnosis.fitting.fit import Fit, again
 from gearfem.diagnosis.fitting.problem import BenchOf, Problem
-from gearfem.diagnosis.fitting.search import PARAMETER, stays
+from gearfem.diagnosis.fitting.score import PARAMETER, stays
 from gearfem.diagnosis.modelling.bench import Settings, neutral
 from gearfem.diagnosis.modelling.system_bench import bench_of
 from gearfem.diagnosis.modelling.teeth import Scatter
@@ -30,7 +30,7 @@ from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.noise import measure_noise
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.effects.profile_wear import ProfileWear
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array, InputError
 from gearfem.foundation.progress import Progress, quiet
 
 # Terms of the waviness of a flank. To find the zero and the noise, the few of `Scatter` are enough, and they leave the noise alone.
@@ -65,6 +65,8 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     ------
     InputError
         If a record is in another unit than it says, or taken at another speed; if there is none to fit, or no campaign.
+    SolveError
+        If the model cannot be computed where a record was taken.
 
     Notes
     -----
@@ -79,8 +81,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
         raise InputError("campaign", f"{campaign!r:.60}", "a Campaign, from read_campaign(...)")
     if not campaign.fitted:
         raise InputError("record", "no record of role fit", "at least one record that is not held out", campaign.path)
-    pair, known = campaign.setup.pair, campaign.setup.calibration
-    records = tuple(dataclasses.replace(record, kick=known.kick(record.file)) for record in campaign.fitted)
+    pair, records = campaign.setup.pair, campaign.fitted
     noises = tuple(measure_noise(record, pair) for record in records)
     make: BenchOf = bench or partial(bench_of, campaign)
     rough = Problem(campaign, records, noises, scatter or Scatter(), lambda effects: dataclasses.replace(make(effects), errors=()))
@@ -93,7 +94,8 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     records = marked(records, noises, rough.bench(()), found.settings)
     problem = Problem(campaign, records, noises, scatter or Scatter(terms=TERMS), make)
     # Solid elements for leads, before the work is shared out: what children compute is lost with them.
-    problem.predict((), problem.unknowns.of(dataclasses.replace(level, errors=(1.0,) * len(problem.bench(()).errors))))
+    with contextlib.suppress(*UNCOMPUTABLE):
+        problem.predict((), problem.unknowns.of(dataclasses.replace(level, errors=(1.0,) * len(problem.bench(()).errors))))
     progress("nuisances", 1, 4)
     level = dataclasses.replace(level, angle_offset=found.settings.angle_offset)
     if has_means(problem):
@@ -142,13 +144,13 @@ def _of_parts(problem: Problem, records: tuple[Measurement, ...]) -> Problem:
 def _by_turns(problem: Problem, level: Settings, late: Settings, progress: Progress) -> tuple[Fit, tuple[Shift, ...]]:
     """Return the fit of the nuisances, from a level on and the index errors of a rough fit, and where they went."""
     fit = None
-    late = dataclasses.replace(level, pinion_late=late.pinion_late, wheel_late=late.wheel_late)
+    late = level.with_teeth_of(late)
     for number in range(TURNS):
         progress("nuisances", 2 + number, 2 + TURNS)
         mean = averaged(problem, late)
         fit = _of_means(mean, level) if fit is None else again(mean, (), mean.unknowns.of(fit.settings))
         _, single = teeth_under(problem, fit.settings, (), of_teeth(problem))
-        late = dataclasses.replace(fit.settings, pinion_late=single.settings.pinion_late, wheel_late=single.settings.wheel_late)
+        late = fit.settings.with_teeth_of(single.settings)
     assert fit is not None
     alone = whole(problem, fit, single)
     problem.remember(alone)
@@ -162,8 +164,10 @@ def _of_means(mean: Problem, level: Settings) -> Fit:
     alone = again(mean, (), met)
     if not lost(mean, alone) and stays(mean, alone):
         return alone
-    other = again(copy.copy(mean), (), mean.unknowns.neutral(alone.point.unknown))
-    return min(alone, other, key=lambda fit: fit.objective)
+    with contextlib.suppress(*UNCOMPUTABLE):
+        other = again(copy.copy(mean), (), mean.unknowns.neutral(alone.point.unknown))
+        return min(alone, other, key=lambda fit: fit.objective)
+    return alone
 
 
 def _zero(problem: Problem, progress: Progress) -> float:
@@ -190,7 +194,7 @@ def _zero(problem: Problem, progress: Progress) -> float:
         progress("angle zero", number, len(worn))
         price = PARAMETER * len(effects[0].parameters())
         # Worn flanks that cannot be computed tell nothing of the zero.
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             for fit in fits(effects, zero, ROUGH):
                 if fit.objective + price < best.objective:
                     best = min(best, again(copy.copy(few), fit.effects, fit.point.stood), key=lambda one: one.objective)

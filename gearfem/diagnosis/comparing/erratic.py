@@ -10,7 +10,7 @@ from gearfem.diagnosis.modelling.bench import Settings
 from gearfem.diagnosis.modelling.system_bench import SystemBench
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.noise import Noise
-from gearfem.foundation import SolveError
+from gearfem.foundation import UNCOMPUTABLE
 
 # Part of the inertias by which they are changed, a fortieth of what is unknown of them, and what may be left of the mean over the
 # pitches, in the objective, when what a change up does is added to what one down does. Of 37 pairs of one simulator six have a motion
@@ -52,12 +52,11 @@ def erratic(record: Measurement, noise: Noise, bench: SystemBench, settings: Set
     """Return whether a motion as settings have it takes another way for next to nothing."""
     if not record.quantity.is_motion:
         return False
-    here = bench.predict(record, settings)
-    changed = (dataclasses.replace(settings, inertia_scale=(1.0 + way * CHANGE) * settings.inertia_scale) for way in (1.0, -1.0))
+    changed = (dataclasses.replace(settings, inertia_scale=(1.0 + way * CHANGE) * settings.inertia_scale) for way in (0.0, 1.0, -1.0))
     try:
-        ahead, behind = (bench.predict(record, one) for one in changed)
-    except SolveError:
-        return False
+        here, ahead, behind = (bench.predict(record, one) for one in changed)
+    except UNCOMPUTABLE:
+        return True
     mean = mean_of(record, noise, bench.pair)
     undone = mean.whitener.apply(ahead + behind - 2.0 * here)
     return float(undone @ undone) > 2.0 * UNDONE * floor_of(record, mean, bench.pair, hammering(record, bench, settings))

@@ -16,7 +16,7 @@ from gearfem.diagnosis.modelling.bench import Settings
 from gearfem.diagnosis.modelling.unknowns import unknowns_of
 from gearfem.diagnosis.modelling.zero import guess_zero
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 
 # Tip edges to start from, of the model's, and how far contact over them is that of flanks; compliance in series and damping to start from,
 # in prior deviations.
@@ -69,7 +69,14 @@ def at_rest(problem: Problem, level: Settings) -> Settings:
         return level
     part = part_of(problem, slow)
     starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge, evenness=evenness)) for edge, evenness in EDGES]
-    return min(side_by_side(lambda unknown: again(copy.copy(part), (), unknown, TIMES), starts), key=lambda fit: fit.objective).settings
+
+    def one(unknown: Array) -> Fit | None:
+        with contextlib.suppress(*UNCOMPUTABLE):
+            return again(copy.copy(part), (), unknown, TIMES)
+        return None
+
+    found = [fit for fit in side_by_side(one, starts) if fit is not None]
+    return min(found, key=lambda fit: fit.objective).settings if found else level
 
 
 def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) -> Array:
@@ -85,7 +92,7 @@ def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) ->
     def one(moved: tuple[float, float]) -> Point | None:
         tried = unknown.copy()
         tried[places] = moved
-        with contextlib.suppress(SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             return problem.at(effects, tried)
         return None
 
@@ -110,7 +117,7 @@ def unwound(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> li
             effect.check(problem.campaign.setup)
         records, spread = tuple(problem.records[i] for i in over), tuple(problem.noises[i].std for i in over)
         shifts = guess_zero(records, problem.bench(effects), problem.settings(unknown), spread)
-    except (InputError, SolveError):
+    except UNCOMPUTABLE:
         return []
     found = []
     for shift in shifts:

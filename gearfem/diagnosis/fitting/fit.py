@@ -18,9 +18,10 @@ from gearfem.diagnosis.fitting.marginal import WEIGHED
 from gearfem.diagnosis.fitting.point import Point
 from gearfem.diagnosis.fitting.straying import halves
 from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.modelling.differences import one_sided
 from gearfem.diagnosis.modelling.model_form import SHAPE
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array, Record
 
 if TYPE_CHECKING:
     from gearfem.diagnosis.fitting.problem import Problem
@@ -59,7 +60,7 @@ class Fit(Record):
         Parameters that ended at a bound: number of the effect and field.
     objective : float
         Squares of the whitened residual and of all nuisances in prior deviations, summed, and what scales cost that stray, see `beyond`,
-        and effects that are unlikely: as attained where the fit stands.
+        and effects that are unlikely: as attained where the fit stands; of one joined from two, as if all that is linear nearby were.
     point : Point
         Where the fit ended.
     settings : Settings
@@ -175,7 +176,7 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
     there, lowest, worse = here, math.inf, 0
     least = start = here.attained(best)
     # Where a round ends that cannot be computed, those before it count.
-    with contextlib.suppress(InputError, SolveError):
+    with contextlib.suppress(*UNCOMPUTABLE):
         for _ in range(times):
             point, attained, _ = _descend(here, point, NEARBY)
             little, gained = _little(attained), start - attained
@@ -218,17 +219,19 @@ def _eased(problem: Problem, point: Point, attained: float) -> tuple[Point, floa
         before, after = point.effects[:number], point.effects[number + 1 :]
         if field not in point.effects[number].strengths() or point.effects[number].parameters()[field].reciprocal:
             continue
-        without = problem.attained(problem.at((*before, *after), point.stood, point.weights))
-        most = attained + max(SETTLED, LITTLE * (without - attained))
-        for _ in range(HALVED):
-            effect = point.effects[number]
-            rest = effect.parameters()[field].at_rest(setup, effect.member)
-            eased = dataclasses.replace(effect, **{field: 0.5 * (getattr(effect, field) + rest)})
-            ahead = problem.at((*before, eased, *after), point.stood, point.weights)
-            left = problem.attained(ahead)
-            if left > most:
-                break
-            point, attained = ahead, left
+        # What cannot be computed with less of it stays as it is.
+        with contextlib.suppress(*UNCOMPUTABLE):
+            without = problem.attained(problem.at((*before, *after), point.stood, point.weights))
+            most = attained + max(SETTLED, LITTLE * (without - attained))
+            for _ in range(HALVED):
+                effect = point.effects[number]
+                rest = effect.parameters()[field].at_rest(setup, effect.member)
+                eased = dataclasses.replace(effect, **{field: 0.5 * (getattr(effect, field) + rest)})
+                ahead = problem.at((*before, eased, *after), point.stood, point.weights)
+                left = problem.attained(ahead)
+                if left > most:
+                    break
+                point, attained = ahead, left
     return point, attained
 
 
@@ -260,13 +263,14 @@ def jacobian(problem: Problem, point: Point) -> Array:
     parts = [READ if effect.stage == "sensing" else DIFFERENCE for effect in point.effects for _ in effect.fitted()]
     columns = []
     for place, value in enumerate(values):
+
+        def quotient(step: float, place: int = place, value: float = value) -> Array:
+            ahead = values.copy()
+            ahead[place] = min(max(value + step, low[place]), high[place])
+            return np.asarray(problem.change(point, parameters.moved(point.effects, ahead), point.stood) / (ahead[place] - value))
+
         step = parts[place] * sizes[place]
-        step = step if value + step <= high[place] else -step
-        ahead = values.copy()
-        ahead[place] = min(max(value + step, low[place]), high[place])
-        moved = problem.predict(parameters.moved(point.effects, ahead), point.stood)
-        change = problem.whiten(tuple(a - b for a, b in zip(moved, point.predicted, strict=True)))
-        columns.append(change / (ahead[place] - value))
+        columns.append(one_sided(quotient, step if value + step <= high[place] else -step))
     return np.column_stack([*columns, problem.scales])
 
 
@@ -285,7 +289,7 @@ def _ahead(problem: Problem, point: Point, left: float, derivatives: Array) -> t
     """Return the next point and what it attains, or the same one, where so much is left, if no step helps."""
     values, outer = parameters.values(point.effects), problem.outer
     for step in _steps(problem, point, derivatives):
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             unknown = problem.foretold(point, derivatives @ step)
             unknown[:outer] += step[len(values) :]
             ahead = problem.at(parameters.moved(point.effects, values + step[: len(values)]), unknown, point.weights)

@@ -36,6 +36,8 @@ class Marginal(Record):
         The columns again, as they are multiplied: sparse where most are zero.
     weights : ndarray, shape (r,)
         What a squared whitened row of each record counts, at most 1.
+    still : ndarray, shape (s,)
+        Unknowns that stay at 0.
 
     Notes
     -----
@@ -47,12 +49,15 @@ class Marginal(Record):
     products: tuple[Array, ...]
     factors: tuple[Any, ...]
     weights: Array
+    still: NDArray[Any] = dataclasses.field(default_factory=lambda: np.empty(0, int))
 
     @cached_property
     def _factor(self) -> Any:
         total = np.eye(len(self.products[0]))
         for weight, product in zip(self.weights, self.products, strict=True):
             total += weight * product
+        total[self.still] = total[:, self.still] = 0.0
+        total[self.still, self.still] = 1.0
         return cho_factor(total, overwrite_a=True, check_finite=False)
 
     @cached_property
@@ -65,7 +70,11 @@ class Marginal(Record):
         """Return the first unknowns alone; their columns and products are not copied."""
         columns, factors = (tuple(part[:, :count] for part in parts) for parts in (self.columns, self.factors))
         products = tuple(product[:count, :count] for product in self.products)
-        return dataclasses.replace(self, columns=columns, products=products, factors=factors)
+        return dataclasses.replace(self, columns=columns, products=products, factors=factors, still=self.still[self.still < count])
+
+    def holding(self, still: NDArray[Any]) -> Marginal:
+        """Return the same columns with some unknowns, and no others, at 0."""
+        return dataclasses.replace(self, still=still)
 
     def some(self, places: NDArray[Any]) -> Marginal:
         """Return the unknowns at some places alone, to settle by their products; they have no columns. The latest ones are kept."""
@@ -73,7 +82,8 @@ class Marginal(Record):
         if key not in known:
             known.clear()
             products = tuple(one[np.ix_(places, places)] for one in self.products)
-            known[key] = dataclasses.replace(self, columns=(), products=products, factors=())
+            still = np.flatnonzero(np.isin(places, self.still))
+            known[key] = dataclasses.replace(self, columns=(), products=products, factors=(), still=still)
         return known[key]
 
     @cached_property
@@ -98,7 +108,7 @@ class Marginal(Record):
     def part(self, places: NDArray[Any]) -> Marginal:
         """Return the records at some places alone."""
         columns, products, factors = (tuple(parts[i] for i in places) for parts in (self.columns, self.products, self.factors))
-        return Marginal(columns=columns, products=products, factors=factors, weights=self.weights[places])
+        return dataclasses.replace(self, columns=columns, products=products, factors=factors, weights=self.weights[places])
 
     def solve(self, residual: Array) -> Array:
         """Return the unknowns in prior deviations that leave least of whitened vectors, shapes (m,) or (m, p)."""
@@ -106,7 +116,9 @@ class Marginal(Record):
 
     def pulls(self, residual: Array) -> Array:
         """Return what each record pulls at the unknowns at full weight, A_r' r_r of whitened (m,) or (m, p); shape (r, k) or (r, k, p)."""
-        return np.stack([part.T @ residual[rows] for part, rows in zip(self.factors, self.rows, strict=True)])
+        found = np.stack([part.T @ residual[rows] for part, rows in zip(self.factors, self.rows, strict=True)])
+        found[:, self.still] = 0.0
+        return found
 
     def settle(self, pulls: Array, squares: Array) -> tuple[Array, Array]:
         """Return the unknowns (k,) that leave least, and what they leave of the squares of each record (r,), from its `pulls`.

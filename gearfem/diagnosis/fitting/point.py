@@ -22,6 +22,8 @@ class Point(Record):
         Nuisances in prior deviations: settings, offsets, teeth, model form.
     predicted : tuple of ndarray
         Of each record [SI], offsets, waviness and forms common to all teeth left out.
+    rise : tuple of ndarray, shapes (n,)
+        What the largest Kw of a turn was taken to gain by waviness, see `Problem`.
     residual : ndarray, shape (m,)
         Measured less predicted, whitened, what the prediction holds of inner unknowns put back to 0.
     held : ndarray
@@ -35,6 +37,7 @@ class Point(Record):
     effects: tuple[Effect, ...]
     unknown: Array
     predicted: tuple[Array, ...]
+    rise: tuple[Array, ...]
     residual: Array
     held: Array
     given: Array

@@ -27,7 +27,7 @@ from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.noise import Noise
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 
 # By how much scores of the same explanation may differ, by where its fit began, and so what a name must gain over the nuisances alone at
 # least: the waviness of single teeth is linear about the point where its columns were taken.
@@ -85,7 +85,7 @@ class Problem:
     rise : tuple of ndarray, shapes (n,)
         What waviness is expected to add to the largest Kw of a turn, in parts of Kw - 1; 0 in all other records.
     linear, whole : Marginal
-        The inner unknowns, and all of them.
+        The inner unknowns, and all of them; those held at 0 that do just what the effects do under which it was prepared, see `beside`.
     floor, counts, memory : ndarray, shape (r,)
         Least mean square that can be expected of the whitened rows of each record, their number, and over how many of them errors of
         the model stay alike.
@@ -98,6 +98,8 @@ class Problem:
     rise: tuple[Array, ...]
     linear: Marginal
     whole: Marginal
+    _free: Marginal
+    _views: dict[tuple[int, ...], tuple[Marginal, Marginal, Array]]
     wander: float = WANDER
     least: float = WANDER
     share: float = IMITATED
@@ -148,10 +150,9 @@ class Problem:
         part.records, part.noises = tuple(self.records[i] for i in places), tuple(self.noises[i] for i in places)
         part.columns = tuple(self.columns[i] for i in places)
         part.rise = tuple(self.rise[i] for i in places)
-        part.scales, part.held_columns = (
-            np.concatenate([whole[self.linear.rows[i]] for i in places]) for whole in (self.scales, self.held_columns)
-        )
-        part.linear, part.whole = self.linear.part(places), self.whole.part(places)
+        part.held_columns = np.concatenate([self.held_columns[self.linear.rows[i]] for i in places])
+        part._free, part._views = self._free.part(places), {}
+        part.whole, part.linear, part.scales = part._holding(self.effects)
         part.floor, part.counts, part.memory = self.floor[places], self.counts[places], self.memory[places]
         return part
 
@@ -159,14 +160,19 @@ class Problem:
         """Return the settings of unknowns, shape (k,)."""
         return self.unknowns.settings(unknown)
 
-    def predict(self, effects: tuple[Effect, ...], unknown: Array) -> tuple[Array, ...]:
+    def predict(self, effects: tuple[Effect, ...], unknown: Array, rise: tuple[Array, ...] | None = None) -> tuple[Array, ...]:
         """Return the records under effects and the unknowns that the model takes: scales, angle zero, index errors, its own errors.
 
-        The largest Kw of a turn is that which waviness is expected to leave, once prepared.
+        The largest Kw of a turn is that which waviness is expected to leave, once prepared, or which a rise leaves.
         """
         bench, settings = self.bench(effects), self.settings(unknown)
         predicted = (bench.predict(record, settings) for record in self.records)
-        return tuple(part + rise * (part - 1.0) for part, rise in zip(predicted, self.rise, strict=True))
+        return tuple(part + own * (part - 1.0) for part, own in zip(predicted, rise or self.rise, strict=True))
+
+    def change(self, point: Point, effects: tuple[Effect, ...], unknown: Array) -> Array:
+        """Return by how much other effects and unknowns change what a point predicts: whitened, shape (m,)."""
+        moved = self.predict(effects, unknown, point.rise)
+        return self.whiten(tuple(a - b for a, b in zip(moved, point.predicted, strict=True)))
 
     def prepare(self, effects: tuple[Effect, ...], unknown: Array) -> Array:
         """Make the columns of all nuisances at a point; every fit afterwards uses them until they are made again.
@@ -178,21 +184,30 @@ class Problem:
         """
         unknown = self._beside(effects, unknown)
         columns, white, rise = make_columns(self.records, self.noises, self.unknowns, self.bench(effects), unknown)
-        self.effects, self.rise = effects, rise
-        self._take(columns, white, self._served(effects))
-        return np.concatenate([unknown, np.zeros(self.outer + columns[0].shape[1] - len(unknown))])
-
-    def _take(self, columns: tuple[Array, ...], white: tuple[Array, ...], still: list[int]) -> None:
-        """Take over columns of the inner unknowns, and white ones of all, those at some places being none."""
         inner = columns[0].shape[1]
-        if still:
-            acts = np.ones(inner + self.outer)
-            acts[[place - self.outer if place >= self.outer else inner + place for place in still]] = 0.0
-            columns, white = tuple(part * acts[:inner] for part in columns), tuple(part * acts for part in white)
-        self.columns, self.whole = columns, marginal(white)
-        self.linear = self.whole.first(inner)
-        self.scales = np.concatenate([part[:, inner:] for part in white])
-        self.held_columns = np.concatenate([part[:, self.unknowns.held - self.outer] for part in self.linear.columns])
+        self.effects, self.rise, self.columns, self._views = effects, rise, columns, {}
+        self.held_columns = np.concatenate([part[:, self.unknowns.held - self.outer] for part in white])
+        self._free = marginal(white)
+        self.whole, self.linear, self.scales = self._holding(effects)
+        return np.concatenate([unknown, np.zeros(self.outer + inner - len(unknown))])
+
+    def beside(self, effects: tuple[Effect, ...]) -> Problem:
+        """Return the problem as it is prepared, those unknowns held at 0 that do just what effects do, and no others."""
+        here = copy.copy(self)
+        here.whole, here.linear, here.scales = self._holding(effects)
+        return here
+
+    def _holding(self, effects: tuple[Effect, ...]) -> tuple[Marginal, Marginal, Array]:
+        """Return all unknowns, the inner ones and the columns of the outer ones, of which none moves that does just what effects do."""
+        served = tuple(self._served(effects))
+        if served not in self._views:
+            inner, outer = self.columns[0].shape[1], [place for place in served if place < self.outer]
+            still = [place - self.outer for place in served if place >= self.outer] + [inner + place for place in outer]
+            whole = self._free.holding(np.array(still, int))
+            scales = np.concatenate([part[:, inner:] for part in whole.columns])
+            scales[:, outer] = 0.0
+            self._views[served] = whole, whole.first(inner), scales
+        return self._views[served]
 
     def _served(self, effects: tuple[Effect, ...]) -> list[int]:
         """Return the places of the unknowns that do just what effects do, or known ones."""
@@ -238,11 +253,13 @@ class Problem:
         held[self.unknowns.held - self.outer] = within
         residual = self._residual(predicted, within)
         given, rounds = (np.ones(len(self.records)), 3) if weights is None else (weights, rounds)
-        solved, cost, deserved = self._weigh(self.linear, self.linear.pulls(residual), self.squares(residual), given, rounds)
+        _, linear, _ = self._holding(effects)
+        solved, cost, deserved = self._weigh(linear, linear.pulls(residual), self.squares(residual), given, rounds)
         return Point(
             effects=effects,
             unknown=np.concatenate([outer, solved]),
             predicted=predicted,
+            rise=self.rise,
             residual=residual,
             held=held,
             given=given if rounds == 1 else deserved,
@@ -273,13 +290,14 @@ class Problem:
         places = self.unknowns.held[kept]
         moving = np.setdiff1d(np.arange(len(point.held)), places - self.outer)
         misfit = point.residual - self.held_columns[:, kept] @ point.stood[places]
-        pulls = self.linear.pulls(misfit)[:, moving]
-        solved, cost, _ = self._weigh(self.linear.some(moving), pulls, self.squares(misfit), point.given, 1)
+        _, linear, _ = self._holding(point.effects)
+        solved, cost, _ = self._weigh(linear.some(moving), linear.pulls(misfit)[:, moving], self.squares(misfit), point.given, 1)
         return solved, cost, moving + self.outer
 
     def foretold(self, point: Point, change: Array) -> Array:
         """Return the unknowns of a point, those that are linear moved to where they leave least once predictions change, (m,) whitened."""
-        solved = self.linear.weighed(point.weights).solve(point.residual - change)
+        _, linear, _ = self._holding(point.effects)
+        solved = linear.weighed(point.weights).solve(point.residual - change)
         return np.concatenate([point.unknown[: self.outer], solved])
 
     def _weigh(self, linear: Marginal, pulls: Array, squares: Array, weights: Array, rounds: int) -> tuple[Array, float, Array]:
@@ -297,7 +315,7 @@ class Problem:
         """Return the objective at a point, see `at`; infinity where there is none."""
         try:
             return self.at(effects, unknown).objective
-        except (InputError, SolveError):
+        except UNCOMPUTABLE:
             return math.inf
 
     def strayed(self, unknown: Array) -> Array:
@@ -314,8 +332,7 @@ class Problem:
 
     def response(self, point: Point, others: tuple[Effect, ...]) -> Array:
         """Return what the effects of a point do beyond others of them, everything else as the point has it: whitened, shape (m,)."""
-        without = self.predict(others, point.stood)
-        return self.whiten(tuple(a - b for a, b in zip(point.predicted, without, strict=True)))
+        return -self.change(point, others, point.stood)
 
     def effective(self, point: Point) -> Array:
         """Return the whitened residual with the scales put back to their priors too, so that `freed` frees it from all nuisances."""
@@ -323,7 +340,7 @@ class Problem:
 
     def freed(self, point: Point) -> Freed:
         """Return what measures signatures against all that a point leaves, freed from all nuisances."""
-        whole = self.whole.weighed(point.weights)
+        whole = self._holding(point.effects)[0].weighed(point.weights)
         residual = self.effective(point)
         return lambda vectors: whole.measure(vectors, residual)
 
@@ -344,11 +361,7 @@ class Problem:
 
     def fit(self, effects: tuple[Effect, ...], unknown: Array, rounds: int = ROUNDS, hopeless: float = np.inf) -> Fit:
         """Fit the parameters of effects and all nuisances, see `gearfem.diagnosis.fitting.fit.fit`."""
-        here, served = self, self._served(effects)
-        if not set(served) <= set(self._served(self.effects)):
-            here = copy.copy(self)
-            here._take(self.columns, self.whole.columns, served)
-        return fit(here, effects, unknown, rounds, hopeless)
+        return fit(self.beside(effects), effects, unknown, rounds, hopeless)
 
 
 def _floor(record: Measurement, noise: Noise) -> float:

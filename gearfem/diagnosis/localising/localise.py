@@ -149,8 +149,8 @@ def localise(comparison: Comparison, fit: Fit | None = None, draws: int = DRAWS,
     if draws < FEWEST:
         raise InputError("draws", draws, f"{FEWEST} or more")
     fit = fit or comparison.alone
-    sheets = sheets_of(comparison.problem, fit.settings.angle_offset)
-    tables = _tables(comparison.problem.whole.weighed(fit.point.weights), sheets, draws, seed, progress)
+    sheets = sheets_of(comparison.problem, fit.settings)
+    tables = _tables(comparison.problem.beside(fit.effects).whole.weighed(fit.point.weights), sheets, draws, seed, progress)
     maps, peaks = [], np.full(draws, -np.inf)
     for sheet, table in zip(sheets, tables, strict=True):
         mean, spread = table.mean(axis=0), np.maximum(table.std(axis=0, ddof=1), 1e-12)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.localising.zones import PHASES, ZONES, in_zones, leading_teeth, order_lines, phase_cells
+from gearfem.diagnosis.modelling.bench import Settings
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.foundation import Array, Record
 from gearfem.foundation.units import RPM
@@ -45,15 +46,15 @@ class Sheet(Record):
     measure: Callable[[Array], Array]
 
 
-def sheets_of(problem: Problem, angle_offset: float) -> list[Sheet]:
+def sheets_of(problem: Problem, settings: Settings) -> list[Sheet]:
     """Return the sheets of all records of a problem.
 
     Parameters
     ----------
     problem : Problem
         Prepared: its rows are those of the whitened residuals.
-    angle_offset : float
-        True pinion angle less the recorded one [rad].
+    settings : Settings
+        Where the gears stand.
 
     Returns
     -------
@@ -61,16 +62,17 @@ def sheets_of(problem: Problem, angle_offset: float) -> list[Sheet]:
         Of each record zones and cells of the mesh phase, teeth of both gears and lines of the order spectrum; then fixed frequencies. None
         of erratic motions.
     """
-    pair = problem.campaign.setup.pair
+    pair, bench = problem.campaign.setup.pair, problem.bench(())
     told = [(record, own) for record, own in zip(problem.records, problem.linear.rows, strict=True) if not record.erratic]
-    return [sheet for record, own in told for sheet in _of_record(record, own, pair, angle_offset)] + _frequencies(told)
+    angles = [bench.turned(record.axis[record.keep], settings) for record, _ in told]
+    return [sheet for item, angle in zip(told, angles, strict=True) for sheet in _of_record(*item, angle, pair)] + _frequencies(told)
 
 
-def _of_record(measurement: Measurement, rows: slice, pair: GearPair, angle_offset: float) -> list[Sheet]:
+def _of_record(measurement: Measurement, rows: slice, angle: Array, pair: GearPair) -> list[Sheet]:
+    """Return the sheets of one record at true pinion angles, which those that are over something else have not."""
     file = measurement.file
     if measurement.quantity.axis != "angle":
         return [_cell_sheet(file, rows, "mesh_phase", "zones", np.ones((rows.stop - rows.start, 1), bool), ("all",), fewest=1)]
-    angle = measurement.axis[measurement.keep] + angle_offset
     pinion, wheel = leading_teeth(angle, pair)
     phases = tuple(f"{i / PHASES:.4g}" for i in range(PHASES))
     teeth = {"pinion": pair.pinion.teeth, "wheel": pair.wheel.teeth}

@@ -52,6 +52,10 @@ class Settings(Record):
     evenness: float = 0.0
     errors: tuple[float, ...] = ()
 
+    def with_teeth_of(self, other: Settings) -> Settings:
+        """Return the same settings with the index errors of others."""
+        return dataclasses.replace(self, pinion_late=other.pinion_late, wheel_late=other.wheel_late)
+
 
 def neutral(pair: GearPair) -> Settings:
     """Return the settings of a model that is exactly right."""
@@ -160,6 +164,9 @@ class Bench(Protocol):
     @property
     def delay(self) -> float:
         """Time by which the instrument reads late [s]."""
+
+    def turned(self, axis: Array, settings: Settings) -> Array:
+        """Return true pinion angles [rad] from recorded ones."""
 
     def predict(self, record: Measurement, settings: Settings) -> Array:
         """Return what the record would read [SI], shape (n,): its axis in true angles plus no constant, instrument included."""

@@ -1,9 +1,10 @@
-"""A model with fitted nuisances in its calibration."""
+"""A model with fitted nuisances in its calibration, and what it leaves of a record once it stands."""
 
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+import math
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -11,9 +12,14 @@ from gearfem.assembly import assemble
 from gearfem.definition.calibration import COUPLING_SCALE, TIP_EDGE_SCALE, Calibration
 from gearfem.definition.setup import Setup
 from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.effects.effect import Effect
-from gearfem.sensing import System
+from gearfem.foundation import Array
+from gearfem.sensing import System, observe
 from gearfem.variants import VARIANTS
+
+# What a model leaves of a record, shape (n,), the constant that was fitted [SI], and the first tooth.
+Left: TypeAlias = tuple[Array, float, int]
 
 
 def calibrated(setup: Setup, settings: Settings, effects: tuple[Effect, ...] = ()) -> System:
@@ -54,3 +60,18 @@ def calibration_of(known: Calibration, settings: Settings) -> Calibration:
         pinion_late=known.pinion_late + settings.pinion_late if known.pinion_late.size else settings.pinion_late,
         wheel_late=known.wheel_late + settings.wheel_late if known.wheel_late.size else settings.wheel_late,
     )
+
+
+def left_of(record: Measurement, system: System) -> Left:
+    """Return what a frozen model leaves of a record, the constant that was fitted, and the first tooth."""
+    firsts = [0] if record.tooth_known else list(range(system.setup.pair.gear(record.gear).teeth))
+    best: Left | None = None
+    least = math.inf
+    for first in firsts:
+        gap = record.value - observe(system, record.request(first))
+        offset = float(gap[record.keep].mean()) if record.quantity.free_constant else 0.0
+        size = float(np.sum((gap[record.keep] - offset) ** 2))
+        if size < least:
+            best, least = (gap - offset, offset, first), size
+    assert best is not None
+    return best

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.modelling.differences import one_sided
 from gearfem.diagnosis.modelling.system_bench import SystemBench
 from gearfem.diagnosis.modelling.teeth import Scatter
 from gearfem.diagnosis.reading.measurement import Measurement
@@ -58,10 +59,12 @@ def _wrong(record: Measurement, bench: SystemBench, settings: Settings, here: Ar
     out = np.zeros((len(record.axis), len(errors)))
     moved = settings.errors or (0.0,) * len(errors)
     for place, variant in enumerate(errors):
-        stands = moved[place]
-        step = STEP if stands + STEP <= variant.most else -STEP
-        ahead = (*moved[:place], stands + step, *moved[place + 1 :])
-        out[:, place] = (bench.predict(record, dataclasses.replace(settings, errors=ahead)) - here) / step
+
+        def quotient(step: float, place: int = place) -> Array:
+            ahead = (*moved[:place], moved[place] + step, *moved[place + 1 :])
+            return (bench.predict(record, dataclasses.replace(settings, errors=ahead)) - here) / step
+
+        out[:, place] = one_sided(quotient, STEP if moved[place] + STEP <= variant.most else -STEP)
     return out
 
 

@@ -16,7 +16,7 @@ from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.effects.damping import Damping
 from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_gain import SensorGain
-from gearfem.foundation import Array, Record, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array, Record
 from gearfem.sensing import System
 from gearfem.variants import just
 
@@ -135,7 +135,6 @@ UNIFORM = 1.0 / math.sqrt(12.0)
 
 def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[Nuisance, ...]:
     """Return the nuisances that records of a campaign can feel."""
-    quantities = {record.quantity.name for record in records}
     loaded = [record for record in records if not record.quantity.of_gear]
     found: list[Nuisance] = []
     if any(record.quantity.axis == "angle" for record in loaded) and not campaign.angle_known:
@@ -150,7 +149,6 @@ def nuisances_of(campaign: Campaign, records: tuple[Measurement, ...]) -> tuple[
         prior = SERIES / (USUAL_STIFFNESS * campaign.setup.pair.face_width)
         words = "compliance in series with the teeth that the model misses"
         found.append(Nuisance(name="series_compliance", words=words, prior=prior, step=0.025, level=0.0, is_scale=False))
-    assert quantities
     return tuple(found)
 
 
@@ -199,13 +197,13 @@ def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tup
 def _slope(record: Measurement, bench: Bench, settings: Settings, nuisance: Nuisance, stands: float, here: Array, *, once: bool) -> Array:
     """Return the derivative over one nuisance, shape (n,): by a step ahead, and one back but for `once` or where that cannot be computed.
 
-    Raises SolveError if neither side can be.
+    Raises what the model does if neither side can be.
     """
     found: list[Array] = []
     for step in (nuisance.step, -nuisance.step):
         try:
             ahead = bench.predict(record, _moved(settings, nuisance, stands + step))
-        except SolveError:
+        except UNCOMPUTABLE:
             if step < 0.0 and not found:
                 raise
             continue

@@ -24,7 +24,7 @@ from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array, Record
 from gearfem.sensing import System
 from gearfem.sensing.motion import at_speed
-from gearfem.sensing.requests import observe, requests
+from gearfem.sensing.requests import observe
 from gearfem.variants import VARIANTS, Variant, varied
 
 # Part of the mean load below which the flanks of a motion count as apart.
@@ -76,6 +76,13 @@ class SystemBench(Record):
         """Time by which the instrument reads late [s]."""
         return self.system.instrument.delay
 
+    def turned(self, axis: Array, settings: Settings) -> Array:
+        """Return true pinion angles [rad] from recorded ones: by the zero that the model's calibration has, and by that of settings."""
+        return np.asarray(axis + self._zero(settings))
+
+    def _zero(self, settings: Settings) -> float:
+        return self.system.setup.calibration.angle_offset + settings.angle_offset
+
     def depth(self, gear: Member) -> float:
         """Return the root mean square of what is missing from the flanks of a gear over the path of contact [m]; odd teeth do not count.
 
@@ -91,18 +98,9 @@ class SystemBench(Record):
 
     def predict(self, record: Measurement, settings: Settings) -> Array:
         """Return what the record would read [SI], shape (n,)."""
-        name, torque = record.quantity.name, record.pinion_torque
-        angles = record.quantity.axis == "angle"
-        request = requests()[name](
-            axis=record.axis,
-            pinion_torque=torque * settings.torque_scale / settings.stiffness_scale,
-            pinion_speed=record.pinion_speed,
-            gear=record.gear or "pinion",
-            tooth=record.tooth or 0,
-            file=record.file,
-            stride=STRIDE,
-            kick=record.kick,
-        )
+        name, angles = record.quantity.name, record.quantity.axis == "angle"
+        torque = record.pinion_torque * settings.torque_scale / settings.stiffness_scale
+        request = record.request(pinion_torque=torque, stride=STRIDE)
         value = observe(self._system(settings), request)
         if name == "mesh_stiffness":
             return settings.gain * settings.stiffness_scale * value
@@ -191,10 +189,9 @@ class SystemBench(Record):
         built = self._build(settings.coupling_scale, settings.tip_edge_scale, settings.evenness, settings.errors)
         setup, placement, drive = built.setup, built.placement, built.drive
         inertia = settings.inertia_scale / settings.stiffness_scale
-        zero = setup.calibration.angle_offset + settings.angle_offset
         return dataclasses.replace(
             built,
-            setup=dataclasses.replace(setup, calibration=dataclasses.replace(setup.calibration, angle_offset=zero)),
+            setup=dataclasses.replace(setup, calibration=dataclasses.replace(setup.calibration, angle_offset=self._zero(settings))),
             placement=dataclasses.replace(
                 placement,
                 pinion_late=placement.pinion_late + settings.pinion_late,

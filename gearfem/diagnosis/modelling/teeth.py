@@ -220,7 +220,7 @@ def ride_of(record: Measurement, bench: Bench, settings: Settings) -> Ride:
     ring = RING_DOWN * speed / max(oscillator.slowest, 1e-3 * oscillator.frequency)
     before = math.ceil(min(ring, LONGEST_LEAD * 2.0 * math.pi) / step)
     grid = axis[0] + step * np.arange(-before, math.ceil((axis[-1] - axis[0]) / step) + 2)
-    angle = grid + settings.angle_offset
+    angle = bench.turned(grid, settings)
     return Ride(
         angle=angle,
         step=step / speed,
@@ -232,7 +232,7 @@ def ride_of(record: Measurement, bench: Bench, settings: Settings) -> Ride:
 def way_of(record: Measurement, bench: Bench, settings: Settings) -> Touch | Ride | None:
     """Return the way in which a record over the pinion angle feels single teeth to first order; None for all others."""
     if record.quantity.name == "static_transmission_error":
-        angle = record.axis + settings.angle_offset
+        angle = bench.turned(record.axis, settings)
         return Touch(angle=angle, weights=bench.weights(angle, record.pinion_torque, settings))
     return ride_of(record, bench, settings) if record.quantity.is_motion else None
 

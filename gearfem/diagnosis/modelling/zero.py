@@ -22,7 +22,7 @@ def guess_zero(records: tuple[Measurement, ...], bench: Bench, settings: Setting
     Parameters
     ----------
     records : tuple of Measurement
-        Those over the pinion angle; slow ones are used where there are any.
+        Those over the pinion angle.
     bench : Bench
         The model.
     settings : Settings
@@ -36,17 +36,14 @@ def guess_zero(records: tuple[Measurement, ...], bench: Bench, settings: Setting
     by least squares, a constant and the slow course of the record beside them.
     """
     pitch = bench.pair.pinion.pitch_angle
-    slow = [not record.quantity.moving for record in records]
-    chosen = [i for i in range(len(records)) if slow[i] or not any(slow)]
     shifts = (np.arange(STEPS) / STEPS - 0.5) * pitch
     misfit = np.zeros(STEPS)
-    for i in chosen:
-        record = records[i]
+    for record, deviation in zip(records, deviations, strict=True):
         level = dataclasses.replace(settings, angle_offset=0.0)
         measured = mesh_lines(record.axis[record.keep], record.value[record.keep], pitch)
         predicted = mesh_lines(record.axis[record.keep], bench.predict(record, level)[record.keep], pitch)
         turned = predicted * np.exp(2j * math.pi * np.outer(shifts, np.arange(1, HARMONICS + 1)) / pitch)
-        misfit += (np.abs(turned - measured) ** 2).sum(axis=1) / (deviations[i] ** 2 + 0.01 * float((np.abs(measured) ** 2).sum()))
+        misfit += (np.abs(turned - measured) ** 2).sum(axis=1) / (deviation**2 + 0.01 * float((np.abs(measured) ** 2).sum()))
     lowest = argrelmin(misfit, mode="wrap")[0]
     order = lowest[np.argsort(misfit[lowest])] if len(lowest) else np.array([int(np.argmin(misfit))])
     return [float(shifts[place]) for place in order[:GUESSES]]

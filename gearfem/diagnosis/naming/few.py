@@ -11,10 +11,10 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.marginal import marginal
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.search import Search, exchanged
 from gearfem.diagnosis.modelling.nuisances import BUILD
 from gearfem.diagnosis.naming.gap import closure, gap_left, gaps
 from gearfem.diagnosis.naming.naming import Naming, Rival, sentence_of
+from gearfem.diagnosis.naming.search import Search, exchanged
 from gearfem.diagnosis.ranking.candidate import Candidate
 from gearfem.foundation.progress import Progress
 

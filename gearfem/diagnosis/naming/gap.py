@@ -12,7 +12,7 @@ from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.index_errors import odd_of, uneven, waves_of
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.straying import STRAYED
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 
 # What fits may leave, over what can be expected of them, before it counts as a gap.
 GAP_SLOW, GAP_MOVING = 1.25, 2.0
@@ -81,7 +81,7 @@ def _within_reason(fit: Fit, problem: Problem) -> Array:
     white = fit.white
     if not np.array_equal(unknown, fit.point.unknown):
         # What cannot be computed so far off stays as it is.
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             white = problem.whiten(problem.left(problem.at(fit.effects, unknown)))
     wrong = unknown[unknowns.wrong]
     back = [wrong - np.clip(wrong, -STRAYED, STRAYED)]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import dataclasses
 
 from gearfem.diagnosis.comparing.averages import hammering
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.modelling.calibrate import calibrated
+from gearfem.diagnosis.modelling.calibrate import calibrated, left_of
 from gearfem.diagnosis.naming.naming import Naming
-from gearfem.diagnosis.reading.measurement import Measurement, left_of
+from gearfem.diagnosis.reading.measurement import Measurement
 
 # What names may leave of rows over what nuisances alone leave, before a mean speaks for nothing; and what is little enough to be met.
 WORSE, MET = 1.2, 0.5
@@ -47,13 +47,14 @@ def untold(problem: Problem, naming: Naming) -> tuple[str, ...]:
     return tuple(found)
 
 
-def left_open(problem: Problem, files: Sequence[str], naming: Naming) -> Naming:
+def left_open(problem: Problem, files: tuple[str, ...], naming: Naming) -> Naming:
     """Return a verdict once records that its means leave out have been looked at: what is named does not explain those that stay open."""
     missed = [
         record.file
         for record in problem.records
         if record.file in files and _rms(problem, record, naming.fit) > MET * _rms(problem, record, naming.alone)
     ]
+    naming = dataclasses.replace(naming, untold=files) if files else naming
     if not missed or not naming.fit.effects:
         return naming
     reason = f"Left out of the means, and open: {', '.join(missed)}, whose flanks hammer; names by their means left their rows worse."

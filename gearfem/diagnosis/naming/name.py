@@ -25,18 +25,19 @@ from gearfem.diagnosis.comparing.averages import (
 from gearfem.diagnosis.fitting.fit import Fit, again
 from gearfem.diagnosis.fitting.index_errors import turns_often
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.search import FURTHER_LEAST, FURTHER_OTHER, Label, Search, label, simplicity
+from gearfem.diagnosis.fitting.score import Label, label, simplicity
 from gearfem.diagnosis.fitting.side_by_side import counted
 from gearfem.diagnosis.modelling.bench import Settings
 from gearfem.diagnosis.modelling.pitch_point import turns_round
 from gearfem.diagnosis.naming.gap import closure, gap_left
 from gearfem.diagnosis.naming.hammering import left_open, untold
 from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict, sentence_of
+from gearfem.diagnosis.naming.search import FURTHER_LEAST, FURTHER_OTHER, Search
 from gearfem.diagnosis.naming.select import select
 from gearfem.diagnosis.naming.suspects import turning
 from gearfem.diagnosis.naming.verdict import REST, explains, judge
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress, quiet
 
 # Explanations without single teeth with which the search under these begins.
@@ -45,6 +46,8 @@ BEGUN = 4
 FAR_APART = 1.0
 # What is said of effects of all teeth in the place of what they gain.
 NOTHING_SOUGHT = "None was sought: index errors swing more than once a turn, which stays under whatever all teeth have."
+# What is said where the verdicts on all teeth and on single ones stay as they are each by itself.
+NOT_BESIDE = "It could not be asked again beside single teeth"
 # Verdicts that name something.
 NAMED: tuple[Verdict, ...] = ("explained", "partly_explained", "ambiguous")
 
@@ -96,9 +99,30 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     if told.untold:
         first = _of_means(told, alone.settings, common, progress, before=first)
     second, wavy = _of_teeth(told, first.fit, single, progress)
-    missed = first.verdict == "unexplained" or first.left > 1.0
+    if not wavy:
+        try:
+            first, second, wavy = _beside_each_other(told, first, second, common, single, progress)
+        except UNCOMPUTABLE as error:
+            # A verdict stands already.
+            first = dataclasses.replace(first, reasons=(*first.reasons, f"{NOT_BESIDE} ({error})."))
+    if wavy:
+        # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
+        first = _unnamed(first)
+    return left_open(problem, told.untold, _joined(problem, alone, first, second))
+
+
+def _beside_each_other(
+    told: Problem,
+    first: Naming,
+    second: Naming,
+    common: Mapping[str, type[Effect]],
+    single: Mapping[str, type[Effect]],
+    progress: Progress,
+) -> tuple[Naming, Naming, bool]:
+    """Return the verdicts on all teeth and on single ones, each again beside the other, and whether waves of index errors stay."""
+    missed, wavy = first.verdict == "unexplained" or first.left > 1.0, False
     taking_part = bool(second.fit.effects) if first.fit.effects else missed and second.gains
-    if not wavy and taking_part:
+    if taking_part:
         # A pit takes the load off its teeth in the mean too: what is named of all teeth was named, or missed, without it.
         first, named = _of_all(told, first, second.best, common, progress), second.fit.effects
         if first.fit.effects or not named:
@@ -106,17 +130,13 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
             if named and not wavy and not second.fit.effects:
                 # It made up for what was named too large, or not at all.
                 first = _of_means_anew(told, first, second, progress)
-    elif not wavy and first.fit.effects:
+    elif first.fit.effects:
         first = _of_means_anew(told, first, second, progress)
-    elif not wavy:
-        rows = _by_rows(told, first, second.fit.effects, common, progress)
-        if rows.fit.effects:
-            second, wavy = _of_teeth(told, rows.fit, single, progress)
-        first = rows
-    if wavy:
-        # Something turns with a gear that no effect stands for, and what it does to the mean may look like one of all teeth.
-        first = _unnamed(first)
-    return left_open(problem, told.untold, _joined(problem, alone, first, second))
+    else:
+        first = _by_rows(told, first, second.fit.effects, common, progress)
+        if first.fit.effects:
+            second, wavy = _of_teeth(told, first.fit, single, progress)
+    return first, second, wavy
 
 
 def _nothing_sought(problem: Problem, alone: Fit) -> Naming:
@@ -235,7 +255,7 @@ def _scores_by_rows(rows: Problem, explanations: Sequence[Rival], progress: Prog
 
     def fitted(job: tuple[int, Array]) -> Fit | None:
         number, unknown = job
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             return again(copy.copy(rows), explanations[number].effects, unknown)
         return None
 
@@ -329,8 +349,8 @@ def _one(first: Naming, second: Naming, alone: Fit, fit: Fit, *words: str) -> Na
     verdict = _verdict(first.verdict, second.verdict, second.left)
     closed = max((one.closed for one in named), default=max(first.closed, second.closed))
     rivals = (
-        *(dataclasses.replace(rival, effects=(*rival.effects, *second.fit.effects)) for rival in first.rivals),
-        *(dataclasses.replace(rival, effects=(*first.fit.effects, *rival.effects)) for rival in second.rivals),
+        *(_together(rival, (*rival.effects, *second.fit.effects), (*rival.p_values, *second.p_values)) for rival in first.rivals),
+        *(_together(rival, (*first.fit.effects, *rival.effects), (*first.p_values, *rival.p_values)) for rival in second.rivals),
     )
     return Naming(
         verdict=verdict,
@@ -340,7 +360,7 @@ def _one(first: Naming, second: Naming, alone: Fit, fit: Fit, *words: str) -> Na
         p_values=tuple(chance for one in named for chance in one.p_values),
         without=_verdict(first.without, second.without, second.left),
         gains=first.gains or second.gains,
-        gapless=all(one.gapless for one in named or (first, second)),
+        level=max(one.level for one in named or (first, second)),
         closed=closed,
         left=max(first.left, second.left),
         rivals=tuple(sorted(rivals, key=lambda rival: rival.score_difference)),
@@ -349,6 +369,11 @@ def _one(first: Naming, second: Naming, alone: Fit, fit: Fit, *words: str) -> Na
         sentence=sentence_of(verdict, fit, closed),
         reasons=tuple(f"{word}: {reason}" for word, one in zip(words, (first, second), strict=True) for reason in one.reasons),
     )
+
+
+def _together(rival: Rival, effects: tuple[Effect, ...], p_values: tuple[float, ...]) -> Rival:
+    """Return an explanation beside what is named of the other kind."""
+    return dataclasses.replace(rival, effects=effects, p_values=p_values if rival.p_values else ())
 
 
 def _verdict(means: Verdict, teeth: Verdict, left: float) -> Verdict:

@@ -6,6 +6,7 @@ import dataclasses
 from typing import Literal
 
 from gearfem.diagnosis.fitting.fit import Fit
+from gearfem.diagnosis.naming.gap import OPEN
 from gearfem.diagnosis.naming.identify import Identifiability
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Record
@@ -62,8 +63,10 @@ class Naming(Record):
         Of each named effect: chance that noise and our own errors do as much, times the effects, gears and teeth tried.
     without : str
         Verdict if nothing were named.
-    gains, gapless : bool
-        Whether the best explanation gains what a name must; whether nuisances alone leave no gap, but for what some healthy pairs do.
+    gains : bool
+        Whether the best explanation gains what a name must.
+    level : float
+        What nuisances alone leave, in gaps.
     closed, left : float
         Share of the gap that the best explanation closes, and what it leaves, in gaps.
     rivals : tuple of Rival
@@ -76,6 +79,8 @@ class Naming(Record):
         Verdict in words.
     reasons : tuple of str
         What it rests on.
+    untold : tuple of str
+        Files of the records whose means were left out of the search, see `gearfem.diagnosis.naming.hammering`.
     """
 
     verdict: Verdict
@@ -85,7 +90,7 @@ class Naming(Record):
     p_values: tuple[float, ...]
     without: Verdict
     gains: bool
-    gapless: bool
+    level: float
     closed: float
     left: float
     rivals: tuple[Rival, ...]
@@ -93,6 +98,12 @@ class Naming(Record):
     threshold: float
     sentence: str
     reasons: tuple[str, ...]
+    untold: tuple[str, ...] = ()
+
+    @property
+    def gapless(self) -> bool:
+        """Whether nuisances alone leave no gap, but for what some healthy pairs do."""
+        return self.level < OPEN
 
     @property
     def as_good(self) -> tuple[Rival, ...]:

@@ -16,7 +16,7 @@ from gearfem.diagnosis.fitting.straying import beyond
 from gearfem.diagnosis.ranking.candidate import Candidate
 from gearfem.diagnosis.ranking.shapes import bounded, shapes_of, stands
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress
 
 # Rounds in which each effect is looked at, how many are worth a fit to all records, and times that the slow records are prepared anew for
@@ -51,7 +51,10 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
     level = problem.settings(problem.unknowns.neutral(alone.point.unknown))
     edge, evenness = EDGES[-1]
     neutral = part.unknowns.of(dataclasses.replace(level, coupling_scale=1.0, tip_edge_scale=edge, evenness=evenness))
-    neutral = part.prepare((), neutral)
+    try:
+        neutral = part.prepare((), neutral)
+    except UNCOMPUTABLE:
+        return []
 
     def looked_at(example: Effect) -> Fit | None:
         tried = [((effect,), neutral) for effect in (example, *shapes_of(type(example).example(setup, example.member), setup))]
@@ -59,13 +62,13 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
             tried += [(effects, zero) for effects, _ in tried for zero in unwound(part, effects, neutral)]
         try:
             return part.fit(*min(tried, key=lambda start: part.left_at(*start)), ROUNDS)
-        except (InputError, SolveError):
+        except UNCOMPUTABLE:
             return None
 
     def fitted(fit: Fit) -> Fit:
         try:
             return again(copy.copy(part), fit.effects, fit.point.stood, TIMES)
-        except (InputError, SolveError):
+        except UNCOMPUTABLE:
             return fit
 
     found = [fit for fit in counted(looked_at, jobs, progress, "effects in the place of nuisances") if fit is not None]
@@ -76,11 +79,11 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
 
 def _to_motions(problem: Problem, alone: Fit, fit: Fit) -> Array:
     """Return unknowns as a fit of slow records has them, tuned to the motions."""
-    known = dataclasses.replace(fit.settings, pinion_late=alone.settings.pinion_late, wheel_late=alone.settings.wheel_late)
+    known = fit.settings.with_teeth_of(alone.settings)
     here = copy.copy(problem)
     try:
         return tuned(here, here.prepare(fit.effects, problem.unknowns.of(known)), fit.effects)
-    except (InputError, SolveError):
+    except UNCOMPUTABLE:
         return np.asarray(alone.point.stood)
 
 

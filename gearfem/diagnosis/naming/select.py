@@ -11,19 +11,20 @@ import numpy as np
 
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.search import MOST, Search, Start, label, way_of, without_one
+from gearfem.diagnosis.fitting.score import label
 from gearfem.diagnosis.naming.few import judge_few
 from gearfem.diagnosis.naming.gap import gap_left
 from gearfem.diagnosis.naming.identify import Identifiability, identify
 from gearfem.diagnosis.naming.naming import Naming
 from gearfem.diagnosis.naming.screen import in_place, screened
+from gearfem.diagnosis.naming.search import MOST, Search, Start, way_of, without_one
 from gearfem.diagnosis.naming.suspects import sound
 from gearfem.diagnosis.naming.verdict import judge, outscored
 from gearfem.diagnosis.ranking.candidate import Candidate, together
 from gearfem.diagnosis.ranking.rank import rank, rank_again
 from gearfem.diagnosis.ranking.shapes import bounded, stands
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress, quiet
 
 # Single effects, and further ones beside the best, that are fitted.
@@ -131,10 +132,10 @@ def _concluded(search: Search, shown: tuple[Identifiability, ...], progress: Pro
     search.settle(jobs, progress, "rivals again")
     search.abreast(progress)
     best = search.best()
-    problem.prepare(best.effects, best.point.unknown)
+    _prepare_at(problem, best)
     naming = judge(search, shown)
     if naming.best is not best:
-        problem.prepare(naming.best.effects, naming.best.point.unknown)
+        _prepare_at(problem, naming.best)
     _, least = early.get(label(naming.fit.effects), early[label(best.effects)])
     lost = [outscored(search, fit, naming.fit, score - least) for key, (fit, score) in early.items() if key not in search.fits]
     return dataclasses.replace(naming, rivals=(*naming.rivals, *sorted(lost, key=lambda rival: rival.score_difference)))
@@ -149,7 +150,7 @@ def _none_beside(naming: Naming, candidates: Sequence[Candidate]) -> str:
 
 def _prepare_at(problem: Problem, fit: Fit) -> None:
     """Prepare a problem where a fit leads; a first fit may lead where there is no model, and columns then stay as they are."""
-    with contextlib.suppress(InputError, SolveError):
+    with contextlib.suppress(*UNCOMPUTABLE):
         problem.prepare(fit.effects, fit.point.unknown)
 
 
@@ -189,7 +190,7 @@ def _settled_hopeless(search: Search, progress: Progress) -> bool:
     search.settle([search.alone, *search.ahead(PROMISED)], progress, "first explanations again")
     if not _hopeless(search):
         return False
-    search.problem.prepare((), search.alone.point.unknown)
+    _prepare_at(search.problem, search.alone)
     return True
 
 
@@ -251,7 +252,10 @@ def _twins(search: Search, candidates: tuple[Candidate, ...], progress: Progress
             starts += [((*before, c.start(setup), *after), None) for c in _passed_over(effect, others, candidates)]
             continue
         others = [c for c in others if not hasattr(c.effect, "tooth")]
-        own = search.problem.response(best.point, (*before, *after))
+        try:
+            own = search.problem.response(best.point, (*before, *after))
+        except UNCOMPUTABLE:
+            continue
         gram, _ = search.problem.freed(best.point)(np.column_stack([own, *(c.signature for c in others)]))
         strengths, cosines = gram[0, 1:] / np.diag(gram)[1:], gram[0, 1:] / np.sqrt(gram[0, 0] * np.diag(gram)[1:])
         alike = [number for number in np.argsort(-np.abs(cosines)) if abs(cosines[number]) > NEAR][:MOST_ALIKE]

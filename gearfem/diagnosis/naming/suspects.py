@@ -8,9 +8,10 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.index_errors import uneven
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.search import Search, stays
+from gearfem.diagnosis.fitting.score import stays
 from gearfem.diagnosis.fitting.straying import LOST, STRAYED
 from gearfem.diagnosis.naming.gap import gap_left, wide
+from gearfem.diagnosis.naming.search import Search
 from gearfem.effects.effect import MEMBERS
 
 # Prior deviations of a nuisance at which it does the work of something that is missing.
@@ -32,7 +33,7 @@ def astray(search: Search) -> list[tuple[str, float]]:
     """
     problem, alone = search.problem, search.alone
     moved = alone.point.unknown[: problem.outer]
-    deviations = problem.whole.weighed(alone.point.weights).deviations
+    deviations = problem.beside(()).whole.weighed(alone.point.weights).deviations
     deviation = deviations[len(deviations) - problem.outer :]
     insists = (np.abs(moved) - STRAYED) ** 2 > search.problem.detected * deviation**2
     return [(problem.nuisances[at].words, float(moved[at])) for at in problem.unknowns.scales if insists[at] and abs(moved[at]) >= ASTRAY]

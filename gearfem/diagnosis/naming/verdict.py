@@ -9,10 +9,11 @@ from scipy.stats import chi2
 
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.search import Label, Search, exchanged, label, simplicity
+from gearfem.diagnosis.fitting.score import Label, label, simplicity
 from gearfem.diagnosis.naming.gap import OPEN, closure, gap_left, gaps, wide
 from gearfem.diagnosis.naming.identify import Identifiability
 from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict, sentence_of
+from gearfem.diagnosis.naming.search import Search, exchanged
 from gearfem.diagnosis.naming.suspects import astray, misshapen, sound, turning, wrong_by
 from gearfem.effects.effect import Effect
 
@@ -80,7 +81,6 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         best = min([best, *close], key=lambda fit: (simplicity(fit.effects), scores[fit]))
         closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
-    gapless = level < OPEN
     others = {fit: scores[fit] - scores[named] for fit in sorted(scores, key=scores.__getitem__) if fit.effects and fit is not named}
     return Naming(
         verdict=verdict,
@@ -90,7 +90,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         p_values=tuple(_p_value(search, best, number) for number in range(len(named.effects))),
         without=without,
         gains=gains,
-        gapless=gapless,
+        level=level,
         closed=closed,
         left=remains,
         rivals=tuple(_rival(search, fit, named, worse, limit(fit), barred.get(fit, "")) for fit, worse in others.items()),
@@ -102,7 +102,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
             f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(remains)}.",
             *(
                 ["It is named all the same: nuisances leave as little only with values that are by so much less likely."]
-                if named.effects and gapless
+                if named.effects and level < OPEN
                 else ()
             ),
             *(

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from gearfem.diagnosis.comparing.averages import shows_in_means
 from gearfem.diagnosis.fitting.fit import Fit
-from gearfem.diagnosis.fitting.search import Label, label
+from gearfem.diagnosis.fitting.score import Label, label
 from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.naming.verdict import explains
 from gearfem.diagnosis.proving.prove import Gap, Proof
@@ -178,5 +178,5 @@ def _settled(naming: Naming) -> Naming:
     """Return a verdict that is ambiguous no longer if nothing is left that fits alike."""
     if naming.verdict != "ambiguous" or naming.as_good:
         return naming
-    verdict = explains(naming.closed, (naming.left, naming.left))
+    verdict = explains(naming.closed, (naming.level, naming.left))
     return dataclasses.replace(naming, verdict=verdict, sentence=sentence_of(verdict, naming.fit, naming.closed))

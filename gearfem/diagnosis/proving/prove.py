@@ -17,16 +17,16 @@ from gearfem.diagnosis.comparing.erratic import erratic, said
 from gearfem.diagnosis.fitting import parameters
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.modelling.bench import neutral
-from gearfem.diagnosis.modelling.calibrate import calibrated
+from gearfem.diagnosis.modelling.bench import Settings, neutral
+from gearfem.diagnosis.modelling.calibrate import Left, calibrated, left_of
 from gearfem.diagnosis.modelling.largest import at_peaks, expected
 from gearfem.diagnosis.modelling.system_bench import SystemBench
 from gearfem.diagnosis.modelling.teeth import tooth_columns
 from gearfem.diagnosis.proving.smooth import Smooth, fit_smooth
-from gearfem.diagnosis.reading.measurement import Left, Measurement, left_of
+from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.noise import Noise, measure_noise
 from gearfem.diagnosis.reading.roles import ROLES, Role
-from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.foundation.units import digits
 from gearfem.sensing import System
@@ -163,7 +163,7 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     Raises
     ------
     InputError, SolveError
-        If a record cannot be computed with what was fitted.
+        If a record that was fitted cannot be computed with what was fitted; of others this is said.
 
     Notes
     -----
@@ -174,22 +174,19 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     parameters of the named effects foretell it: near a resonance a small doubt about one changes all.
     """
     campaign = problem.campaign
-    noise_of = {record.file: noise for record, noise in zip(problem.records, problem.noises, strict=True)}
     believed = dataclasses.replace(neutral(campaign.setup.pair), angle_offset=fit.settings.angle_offset)
     setup, bench = campaign.setup, problem.bench(fit.effects)
     systems = (calibrated(setup, believed), calibrated(setup, alone.settings, alone.effects), calibrated(setup, fit.settings, fit.effects))
-    known, waviness = {record.file: record for record in problem.records}, _waviness(problem, fit)
-    drafts = []
-    for number, stated in enumerate(campaign.records):
+    floor_of = partial(_floor, problem, fit, bench, waviness=_waviness(problem, fit))
+    drafts, missed = [], []
+    for number, record in enumerate(campaign.records):
         progress("proof", number, len(campaign.records))
-        record = known.get(stated.file, stated)
-        parts = [left_of(record, system) for system in systems]
-        noise = noise_of.get(record.file) or measure_noise(record, setup.pair, record.value - parts[-1][0])
-        if record.file not in known:
-            record = dataclasses.replace(record, erratic=erratic(record, noise, bench, fit.settings))
-        floor_of = partial(_floor, problem, fit, bench, noise=noise, waviness=waviness)
-        record, floor, parts = _met(record, floor_of, parts, systems)
-        drafts.append((record, noise.std, floor, parts))
+        try:
+            drafts.append(_draft(problem, record, systems, bench, fit.settings, floor_of))
+        except UNCOMPUTABLE as error:
+            if any(record.file == own.file for own in problem.records):
+                raise
+            missed.append(f"{record.file} is left out of the proof: the model has no such record where it was taken ({error}).")
     progress("proof", len(campaign.records), len(campaign.records))
     corrections = _corrections(problem, alone, {record.file: parts[1][0] for record, _, _, parts in drafts})
     gaps = []
@@ -208,7 +205,27 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
                 doubt_rms=_parametric(record, fit, setup, after[0]) if record.proves else 0.0,
             )
         )
-    return _judged(tuple(gaps), bool(fit.effects))
+    proof = _judged(tuple(gaps), bool(fit.effects))
+    return dataclasses.replace(proof, reasons=(*proof.reasons, *missed))
+
+
+def _draft(
+    problem: Problem,
+    asked: Measurement,
+    systems: tuple[System, ...],
+    bench: SystemBench,
+    settings: Settings,
+    floor_of: Callable[..., float],
+) -> tuple[Measurement, float, float, list[Left]]:
+    """Return a record of the campaign, its noise, its floor, and what each system leaves of it."""
+    fitted = {record.file: (record, noise) for record, noise in zip(problem.records, problem.noises, strict=True)}
+    record, noise = fitted.get(asked.file, (asked, None))
+    parts = [left_of(record, system) for system in systems]
+    if noise is None:
+        noise = measure_noise(record, problem.campaign.setup.pair, record.value - parts[-1][0])
+        record = dataclasses.replace(record, erratic=erratic(record, noise, bench, settings))
+    record, floor, parts = _met(record, partial(floor_of, noise=noise), parts, systems)
+    return record, noise.std, floor, parts
 
 
 def _met(
@@ -235,13 +252,15 @@ def _parametric(record: Measurement, fit: Fit, setup: Setup, left: Array) -> flo
     deviations = np.array([one for several in fit.deviations for one in several.values()])
     total = 0.0
     for place in np.flatnonzero(np.isfinite(deviations)):
+        squares = []
         for step in (deviations[place], -deviations[place]):
             ahead = values.copy()
             ahead[place] = min(max(values[place] + step, low[place]), high[place])
             # What cannot be computed so far off says nothing of the doubt.
-            with contextlib.suppress(InputError, SolveError):
+            with contextlib.suppress(*UNCOMPUTABLE):
                 moved = left_of(record, calibrated(setup, fit.settings, parameters.moved(fit.effects, ahead)))[0]
-                total += 0.5 * float(np.mean((moved - left)[record.keep] ** 2))
+                squares.append(float(np.mean((moved - left)[record.keep] ** 2)))
+        total += sum(squares) / max(len(squares), 1)
     return math.sqrt(total)
 
 
@@ -259,8 +278,8 @@ def _smooth(record: Measurement, left: Array, corrections: Mapping[str, Smooth])
 
 def _waviness(problem: Problem, fit: Fit) -> tuple[Array, Array]:
     """Return the waviness of all teeth as the fit has it, in prior deviations, and a factor F of its covariance F F'."""
-    unknowns = problem.unknowns
-    return fit.point.unknown[unknowns.wavy], problem.linear.root[unknowns.wavy - unknowns.outer]
+    unknowns, linear = problem.unknowns, problem.beside(fit.effects).linear.weighed(fit.point.weights)
+    return fit.point.unknown[unknowns.wavy], linear.root[unknowns.wavy - unknowns.outer]
 
 
 def _floor(problem: Problem, fit: Fit, bench: SystemBench, record: Measurement, noise: Noise, waviness: tuple[Array, Array]) -> float:

@@ -14,7 +14,7 @@ from gearfem.diagnosis.fitting.marginal import WEIGHED
 from gearfem.diagnosis.fitting.problem import Freed, Problem
 from gearfem.diagnosis.ranking.shapes import bounded
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, Record, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array, Record
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -31,10 +31,8 @@ class Candidate(Record):
         Multiple of this effect that would lower it most.
     signature : ndarray, shape (m,)
         Its whitened response at this strength.
-    visible : float
-        Length of the signature that nuisances and model form leave, in standard deviations.
     share : float
-        That length over the length before.
+        Length of the signature that nuisances and model form leave, over the length before.
     unknown : ndarray, shape (k,), or None
         Nuisances other than the fit's under which it was tried and from which a fit would start.
     """
@@ -43,7 +41,6 @@ class Candidate(Record):
     gain: float
     amplitude: float
     signature: Array
-    visible: float
     share: float
     unknown: Array | None
 
@@ -75,7 +72,11 @@ class View:
 
 def view_of(problem: Problem, base: Fit, weights: Array, squares: Array) -> View:
     """Return the view of a fit, with the weights (r,) and mean squares (r,) of the records of a problem, which may be a part of its own."""
-    point = problem.at(base.effects, base.point.unknown, weights, WEIGHED)
+    try:
+        point = problem.at(base.effects, base.point.unknown, weights, WEIGHED)
+    except UNCOMPUTABLE:
+        # A first fit may lead where there is no model.
+        point = problem.at(base.effects, base.point.stood, weights, WEIGHED)
     base = dataclasses.replace(base, point=dataclasses.replace(point, unknown=base.point.unknown), squares=squares)
     return View(problem=problem, base=base, freed=problem.freed(base.point))
 
@@ -90,9 +91,9 @@ def candidate_of(view: View, effect: Effect, unknown: Array | None = None) -> Ca
     try:
         effect.check(setup)
         ahead = problem.at((*point.effects, effect), point.unknown if unknown is None else unknown, point.weights)
-    except (InputError, SolveError):
+        before = point.predicted if unknown is None else problem.predict(point.effects, unknown)
+    except UNCOMPUTABLE:
         return None
-    before = point.predicted if unknown is None else problem.predict(point.effects, unknown)
     signature = problem.whiten(tuple(a - b for a, b in zip(ahead.predicted, before, strict=True)))
     if not signature @ signature > 0.0:
         return None
@@ -115,7 +116,6 @@ def scored(effect: Effect, signature: Array, freed: Freed, setup: Setup, unknown
         gain=pull**2 / square if pull > 0.0 or signed(effect, setup) else 0.0,
         amplitude=pull / square,
         signature=signature,
-        visible=math.sqrt(square),
         share=math.sqrt(square / float(signature @ signature)),
         unknown=unknown,
     )

@@ -10,11 +10,12 @@ import numpy as np
 from gearfem.definition.setup import GearPair, Member, Setup
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.modelling.bench import neutral
 from gearfem.diagnosis.ranking.one_flank import likeliest_flanks
 from gearfem.diagnosis.ranking.shapes import bounded, placed
 from gearfem.diagnosis.ranking.standing_out import standing_out
 from gearfem.effects.effect import Effect
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 
 # Angles to the pitch at which the response of a tooth is taken before it is moved.
 PER_PITCH = 48
@@ -35,13 +36,16 @@ def starts_of(problem: Problem, base: Fit, kind: type[Effect], member: Member) -
         return [first]
     found = likeliest_flanks(problem, base, first) if first.stage == "flank" else []
     shallow = [found[tooth][1] for tooth in standing_out(np.array([gain for gain, _ in found]), ASIDE_TEETH)] if found else []
-    bare = _over_a_turn(problem, base, base.effects, member)
+    try:
+        bare = _over_a_turn(problem, base, base.effects, member)
+    except UNCOMPUTABLE:
+        return shallow
     likeliest: dict[int, tuple[float, Effect]] = {}
     for here, moved, later in _places(first, problem.campaign.setup):
         on_first = dataclasses.replace(here, tooth=0)  # type: ignore[call-arg]
         try:
             turn = _over_a_turn(problem, base, (*base.effects, on_first), member)
-        except (InputError, SolveError):
+        except UNCOMPUTABLE:
             # As in a search: what cannot be computed at a place explains nothing there.
             continue
         for effect, gains in zip(moved, _tooth_gains(problem, base, member, turn, bare, later), strict=True):
@@ -110,16 +114,14 @@ def _over_a_turn(problem: Problem, base: Fit, effects: tuple[Effect, ...], membe
     over = [record.quantity.axis == "angle" for record in problem.records]
     slow = [angle and not record.quantity.moving for angle, record in zip(over, problem.records, strict=True)]
     used = slow if any(slow) else over
-    even = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
-    settings = dataclasses.replace(base.settings, angle_offset=0.0, pinion_late=even[0], wheel_late=even[1])
+    settings = dataclasses.replace(base.settings, angle_offset=0.0).with_teeth_of(neutral(pair))
     bench, grid = problem.bench(effects), _grid(pair, member)
     return [bench.predict(record.over(grid), settings) if wanted else None for record, wanted in zip(problem.records, used, strict=True)]
 
 
 def _grid(pair: GearPair, member: Member) -> Array:
     """Return pinion angles over one turn of a gear, both ends included [rad]."""
-    teeth = pair.pinion.teeth if member == "pinion" else pair.wheel.teeth
-    return np.arange(teeth * PER_PITCH + 1) / PER_PITCH * pair.pinion.pitch_angle
+    return np.arange(pair.gear(member).teeth * PER_PITCH + 1) / PER_PITCH * pair.pinion.pitch_angle
 
 
 def _tooth_gains(problem: Problem, base: Fit, member: Member, turn: list[Array | None], bare: list[Array | None], later: Array) -> Array:

@@ -87,7 +87,7 @@ def missing_from(effect: Effect, setup: Setup) -> Deviation | None:
 def on_path(depths: Sequence[Deviation], setup: Setup, member: Member) -> Forms:
     """Return what is missing from flanks of a gear over the path of contact."""
     pair, upward = setup.pair, 1.0 if member == "pinion" else -1.0
-    pitch_point = (pair.pinion if member == "pinion" else pair.wheel).base_radius * math.tan(pair.working_pressure_angle)
+    pitch_point = pair.gear(member).base_radius * math.tan(pair.working_pressure_angle)
 
     def forms(path: Array, *, derivative: int = 0) -> Array:
         roll = pitch_point + upward * path

@@ -22,7 +22,7 @@ from gearfem.diagnosis.ranking.readings import likeliest_readings
 from gearfem.diagnosis.ranking.shapes import bounded, scanned, shapes_of, spread_of, stands
 from gearfem.diagnosis.ranking.turning import turned, turns
 from gearfem.effects.effect import MEMBERS, Effect
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress, quiet
 
 # Rounds in which the strength of a candidate is improved, unless it promises less than this anyway.
@@ -57,8 +57,8 @@ def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progres
     Returns
     -------
     tuple of Candidate
-        One for each effect and gear, of what either gear may have for the pinion alone, two for effects of one tooth; those without any
-        response are left out.
+        One for each effect and gear, of what either gear may have for the pinion alone; for effects of one tooth one for each of the
+        likeliest teeth, and shape there. Those without any response are left out.
     """
     jobs = [(kind, member) for kind in kinds.values() for member in _members(kind)]
     return _ranked(problem, base, jobs, progress, "candidates")
@@ -124,7 +124,14 @@ def _tries(problem: Problem, job: tuple[type[Effect], Member]) -> tuple[bool, bo
 def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
     """Return the effect at the shape, and then the strength, that explain most."""
     setup = view.problem.campaign.setup
-    likely = _waves(view, start) if turns(start) else _likeliest(slow, start) if slow is not None else []
+    if turns(start):
+        likely = _waves(view, start)
+        if not likely:
+            # No order of it stands out: what it would do tells what the records show of it.
+            shown = candidate_of(view, start)
+            return None if shown is None else dataclasses.replace(shown, gain=0.0)
+    else:
+        likely = _likeliest(slow, start) if slow is not None else []
     if not likely and slow is not None and any(record.quantity.moving for record in view.problem.records):
         return _fitted(view, start)
     likely = likely or [(effect, None) for effect in shapes_of(start, setup)]
@@ -152,7 +159,7 @@ def _fitted(view: View, start: Effect) -> Candidate | None:
         return None
     tried: list[tuple[float, Start]] = []
     for unknown in (base.point.unknown, *_elsewhere(view, start)):
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             effects = _sizes(view, start, unknown)
             starts: list[Start] = [((*base.effects, effect), unknown) for effect in effects]
             left = [problem.left_at(*place) for place in starts]
@@ -191,17 +198,18 @@ def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:
     """Return the last effect of each fit as it stands there; its signature is what it does under the nuisances of that fit."""
     problem, base, found = view.problem, view.base, []
     for fit in fits:
-        signature = problem.response(fit.point, base.effects)
-        if signature @ signature > 0.0:
-            standing = scored(fit.effects[-1], signature, view.freed, problem.campaign.setup, fit.point.unknown)
-            found.append(dataclasses.replace(standing, gain=max(base.objective - fit.objective, 0.0), amplitude=1.0))
+        with contextlib.suppress(*UNCOMPUTABLE):
+            signature = problem.response(fit.point, base.effects)
+            if signature @ signature > 0.0:
+                standing = scored(fit.effects[-1], signature, view.freed, problem.campaign.setup, fit.point.unknown)
+                found.append(dataclasses.replace(standing, gain=max(base.objective - fit.objective, 0.0), amplitude=1.0))
     return found
 
 
 def _fits(problem: Problem, starts: list[Start], rounds: int, hopeless: float = np.inf) -> list[Fit]:
     found = []
     for effects, unknown in starts:
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             found.append(problem.fit(effects, unknown, rounds, hopeless))
     return found
 
@@ -210,12 +218,12 @@ def _prepared(view: View, starts: list[Start]) -> list[Fit]:
     """Return fits with columns taken under their effects: of those that lead lowest in a few rounds, unless they end above the first."""
     begun: list[Fit] = []
     for effects, unknown in starts:
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             here = copy.copy(view.problem)
             begun.append(here.fit(effects, here.prepare(effects, unknown), BEGUN, view.base.objective))
     found: list[Fit] = []
     for fit in sorted(begun, key=lambda fit: fit.objective)[:LED]:
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             least = min((fit.objective for fit in found), default=view.base.objective)
             found.append(again(copy.copy(view.problem), fit.effects, fit.point.stood, hopeless=least))
     return found

@@ -31,7 +31,8 @@ def bounded(effect: Effect, setup: Setup) -> Effect:
 def shapes_of(effect: Effect, setup: Setup) -> list[Effect]:
     """Return the effect with all combinations of the parameters that say how it acts, where it lies on a flank."""
     # A frequency is infinite at no effect, and says where it acts all the same.
-    known = {field: one for field, one in effect.parameters().items() if not one.place and (one.neutral is None or one.reciprocal)}
+    acts = {field: one for field, one in effect.parameters().items() if not one.place and not one.whole}
+    known = {field: one for field, one in acts.items() if one.neutral is None or one.reciprocal}
     if stands(effect):
         known = {field: one for field, one in known.items() if one.reciprocal}
     options = [tries(one, setup, effect) for one in known.values()]

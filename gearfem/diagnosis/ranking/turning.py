@@ -12,7 +12,7 @@ from gearfem.diagnosis.ranking.candidate import View
 from gearfem.diagnosis.ranking.shapes import bounded
 from gearfem.diagnosis.ranking.standing_out import standing_out
 from gearfem.effects.effect import Effect
-from gearfem.foundation import InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE
 
 # Orders that are tried where an effect has one, and the strength at which responses count as linear, in typical ones.
 ORDERS, PROBE = tuple(float(order) for order in range(1, 11)), 0.1
@@ -47,7 +47,7 @@ def turned(view: View, start: Effect) -> list[Effect]:
     """
     found = []
     for order in _orders(start):
-        with contextlib.suppress(InputError, SolveError):
+        with contextlib.suppress(*UNCOMPUTABLE):
             found.append(_wave(view, order))
     setup = view.problem.campaign.setup
     # Motions whose flanks part take another branch for a wave of any order.
@@ -68,8 +68,8 @@ def _wave(view: View, effect: Effect) -> tuple[float, Effect]:
     small = effect.scaled(PROBE, problem.campaign.setup)
     responses = []
     for quarter in (0.0, 0.5 * math.pi):
-        ahead = problem.predict((*point.effects, dataclasses.replace(small, **{phase: quarter})), point.stood)
-        responses.append(problem.whiten(tuple(a - b for a, b in zip(ahead, point.predicted, strict=True))))
+        effects = (*point.effects, dataclasses.replace(small, **{phase: quarter}))
+        responses.append(problem.change(point, effects, point.stood))
     gram, pull = view.freed(np.column_stack(responses))
     along, across = np.linalg.lstsq(gram, pull, rcond=1e-9)[0]
     strength, angle = PROBE * math.hypot(along, across), math.atan2(across, along)

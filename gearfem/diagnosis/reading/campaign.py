@@ -5,12 +5,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
 from gearfem.definition.model_file import read_tables
-from gearfem.definition.setup import Gear, GearPair, Setup
+from gearfem.definition.setup import GearPair, Setup
 from gearfem.diagnosis.reading.faults import Fault, find_faults
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.periods import hunting_period, mean_cycle
@@ -96,7 +95,7 @@ def read_campaign(path: str | Path) -> Campaign:
         raise error.in_file(str(path)) from None
     model = path.parent / table.model
     setup = load_model(model)
-    records, remarks = [], []
+    records, remarks, kick = [], [], setup.calibration.kick
     for index, entry in enumerate(table.record, 1):
         try:
             record, found = _measurement(path.parent, entry, setup.pair)
@@ -123,7 +122,7 @@ def read_campaign(path: str | Path) -> Campaign:
         model=str(model),
         setup=setup,
         angle_known=table.angle_zero == "pitch_point",
-        records=tuple(dataclasses.replace(record, role=role) for record, role in zip(records, roles, strict=True)),
+        records=tuple(dataclasses.replace(one, role=role, kick=kick(one.file)) for one, role in zip(records, roles, strict=True)),
         remarks=(),
     )
     for record in campaign.of("fit"):
@@ -135,7 +134,7 @@ def read_campaign(path: str | Path) -> Campaign:
 
 def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Measurement, list[Fault]]:
     quantity = QUANTITIES[entry.quantity]
-    gear = _gear(pair, entry.gear)
+    gear = pair.gear(entry.gear)
     if entry.tooth is not None and entry.tooth >= gear.teeth:
         raise InputError("tooth", entry.tooth, f"an integer from 0 to {gear.teeth - 1}, the teeth of the {entry.gear}")
     series = read_series(folder / entry.file, quantity.columns)
@@ -173,7 +172,3 @@ def _mean_of(record: Measurement, pair: GearPair) -> tuple[Measurement, int]:
     rows, noise = len(value), record.noise_std and record.noise_std / math.sqrt(cycles)
     whole = {"axis": axis[:rows], "line": line[:rows], "keep": np.ones(rows, bool)}
     return dataclasses.replace(record, value=value, noise_std=noise, **whole), cycles
-
-
-def _gear(pair: GearPair, member: Literal["pinion", "wheel"] | None) -> Gear:
-    return pair.wheel if member == "wheel" else pair.pinion

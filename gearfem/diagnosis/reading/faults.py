@@ -44,7 +44,7 @@ class Fault(Record):
     record : str
         File of the record.
     kind : str
-        One of spike, missing_rows, mean, role, noise, shift.
+        One of spike, missing_rows, mean, role.
     rows : tuple of int
         Rows concerned, counted from 0 without comments and header.
     sentence : str

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +12,7 @@ from gearfem.definition.setup import Member
 from gearfem.diagnosis.reading.quantities import QUANTITIES, Quantity
 from gearfem.diagnosis.reading.roles import Role
 from gearfem.foundation import Array, Record
-from gearfem.sensing import Request, System, observe, requests
-
-# What a model leaves of a record, shape (n,), the constant that was fitted [SI], and the first tooth.
-Left: TypeAlias = tuple[Array, float, int]
+from gearfem.sensing import Request, requests
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -82,17 +78,18 @@ class Measurement(Record):
         """Whether it speaks for or against a name: held out, and no erratic motion."""
         return self.role == "holdout" and not self.erratic
 
-    def request(self, first_tooth: int = 0) -> Request:
+    def request(self, first_tooth: int = 0, **otherwise: Any) -> Request:
         """Return what a model is asked for to foretell the record, see `gearfem.sensing.observe`; of teeth, that it begins with one."""
-        return requests()[self.quantity.name](
-            axis=self.axis + first_tooth,
-            pinion_torque=self.pinion_torque,
-            pinion_speed=self.pinion_speed,
-            gear=self.gear or "pinion",
-            tooth=self.tooth or 0,
-            file=self.file,
-            kick=self.kick,
-        )
+        stated: dict[str, Any] = {
+            "axis": self.axis + first_tooth,
+            "pinion_torque": self.pinion_torque,
+            "pinion_speed": self.pinion_speed,
+            "gear": self.gear or "pinion",
+            "tooth": self.tooth or 0,
+            "file": self.file,
+            "kick": self.kick,
+        }
+        return requests()[self.quantity.name](**stated | otherwise)
 
     def rms(self, series: Array) -> float:
         """Return the root mean square of a series in its rows, shape (n,), over those that are used."""
@@ -117,24 +114,6 @@ def make_record(name: str, axis: Array, value: Array | None = None, **stated: An
     """
     value = np.zeros(len(axis)) if value is None else value
     return Measurement(**{"file": name, **_whole(axis), **stated}, quantity=QUANTITIES[name], axis=axis, value=value)
-
-
-def left_of(record: Measurement, system: System) -> Left:
-    """Return what a frozen model leaves of a record, the constant that was fitted, and the first tooth."""
-    firsts = [0]
-    if not record.tooth_known:
-        pair = system.setup.pair
-        firsts = list(range((pair.wheel if record.gear == "wheel" else pair.pinion).teeth))
-    best: Left | None = None
-    least = math.inf
-    for first in firsts:
-        gap = record.value - observe(system, record.request(first))
-        offset = float(gap[record.keep].mean()) if record.quantity.free_constant else 0.0
-        size = float(np.sum((gap[record.keep] - offset) ** 2))
-        if size < least:
-            best, least = (gap - offset, offset, first), size
-    assert best is not None
-    return best
 
 
 def _whole(axis: Array) -> dict[str, Any]:

@@ -8,11 +8,11 @@ from typing import Literal
 
 import numpy as np
 from scipy.signal import lfilter
-from scipy.stats import t as student
 
 from gearfem.definition.setup import GearPair
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.periods import hunting_period, shifted
+from gearfem.diagnosis.reading.spikes import MAD
 from gearfem.diagnosis.reading.whitening import Whitening, make_whitener
 from gearfem.foundation import Array, Record
 
@@ -27,7 +27,6 @@ BINS, PITCHES = 24, 6
 TRIALS = 16
 # Rows from which on third differences tell noise.
 ROUGH = 24
-MAD = 1.4826
 # What is assumed where nothing can be measured: Kw is read to 1 % at best, indicators to 1 um, all else to this part of its deviation.
 ASSUMED = {"dynamic_factor": 0.01, "radial_runout": 1e-6, "pitch_deviation": 1e-6, "flank_profile": 1e-6}
 READ = 0.02
@@ -74,17 +73,6 @@ class Noise(Record):
     def over(self, record: Measurement) -> Noise:
         """Return the noise of a record over other rows of the same instrument."""
         return dataclasses.replace(self, whitener=make_whitener(self.covariance, record.keep))
-
-    def limit(self, chance: float) -> float:
-        """Return the limit of a whitened value that noise passes, on either side, with this chance: Student's, for few repeats."""
-        return float(student.ppf(1.0 - 0.5 * chance, self.freedom))
-
-    def spectrum(self, cycles: Array) -> Array:
-        """Return the standard deviation of the noise per unit band [SI unit] at frequencies in cycles per sample, up to 0.5."""
-        order, white = len(self.covariance) - 1, make_whitener(self.covariance, np.ones(1, bool))
-        lags = np.exp(-2j * np.pi * np.asarray(cycles)[:, None] * np.arange(1, order + 1))
-        gain = np.abs(1.0 - lags @ white.predictor[order])
-        return np.asarray(math.sqrt(2.0) * white.deviation[order] / gain)
 
 
 def measure_noise(record: Measurement, pair: GearPair, explained: Array | None = None) -> Noise:
@@ -206,7 +194,7 @@ def _rest(record: Measurement, pair: GearPair) -> tuple[Array, int] | None:
     hunting = hunting_period(pair)
     periods: tuple[float, ...] = (hunting,) if np.ptp(record.axis) > 1.2 * hunting else (turn, turn * pair.ratio)
     if record.quantity.axis == "tooth":
-        periods = (float((pair.wheel if record.gear == "wheel" else pair.pinion).teeth),)
+        periods = (float(pair.gear(record.gear).teeth),)
     elif record.quantity.axis != "angle":
         return None
     axis, value = record.axis[record.keep], record.value[record.keep]

@@ -9,22 +9,18 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeAlias
 
-import numpy as np
-
 from gearfem.diagnosis.fitting.approach import lost, moves_otherwise, unwound
 from gearfem.diagnosis.fitting.fit import Fit, again
-from gearfem.diagnosis.fitting.index_errors import uneven
-from gearfem.diagnosis.fitting.mimic import mimicked
 from gearfem.diagnosis.fitting.parameters import faint, overdone
 from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.fitting.score import Label, label, near_by, score
 from gearfem.diagnosis.fitting.side_by_side import counted
-from gearfem.diagnosis.fitting.straying import STRAYED, beyond
+from gearfem.diagnosis.fitting.straying import STRAYED
+from gearfem.diagnosis.naming.mimic import mimicked
 from gearfem.effects.effect import MEMBERS, Effect
-from gearfem.foundation import Array, InputError, SolveError
+from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress, quiet
 
-# Costs in the score, in units of the objective where noise alone is left: of each parameter, and of each tooth or gear tried.
-PARAMETER = 8.0
 # A further name must gain this share of what the first ones did where it acts as one of them does: less is the difference between their
 # shapes and the real ones, which other effects do not imitate as well.
 FURTHER, FURTHER_OTHER = 0.05, 0.01
@@ -38,17 +34,11 @@ MOST = 3
 NEAR, RIVALS = 0.3, 3
 # Share of what the best explanation gains below which another one is left behind: first fits miss much of what they will gain, not as much.
 BEHIND = 0.2
-# What a fit may leave of a record, over what can be expected, before another start is tried.
-FAR = 2.0
 # Share of what a further name must gain that a fit with one must promise beside the one it builds on, or it is given up.
 LITTLE = 0.5
-# What a parameter costs that ends at a bound: the shape wants to be another one.
-AT_BOUND = 30.0
 
 # Where a fit starts: effects, and nuisances other than those of the fit it builds on.
 Start: TypeAlias = tuple[tuple[Effect, ...], Array | None]
-# Name, gear ("" without, or where either may have it) and tooth (-1 without) of an effect.
-Label: TypeAlias = tuple[str, str, int]
 
 
 class Search:
@@ -57,7 +47,8 @@ class Search:
     def __init__(self, problem: Problem, alone: Fit) -> None:
         self.problem = problem
         self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
-        self._mimicked: dict[Fit, tuple[float, ...]] = {}
+        # By columns as they were prepared.
+        self._mimicked: dict[Fit, tuple[tuple[Array, ...], tuple[float, ...]]] = {}
 
     @property
     def alone(self) -> Fit:
@@ -80,7 +71,7 @@ class Search:
                 if own is not None and moves_otherwise(self.problem, base, effects):
                     return again(copy.copy(self.problem), effects, own, hopeless=hopeless)
                 return self.problem.fit(effects, self.start(start, base), hopeless=hopeless)
-            except (InputError, SolveError):
+            except UNCOMPUTABLE:
                 return None
 
         for found in counted(one, new, progress, words):
@@ -107,7 +98,7 @@ class Search:
 
         def one(fit: Fit) -> Fit:
             found = fit
-            with contextlib.suppress(InputError, SolveError):
+            with contextlib.suppress(*UNCOMPUTABLE):
                 found = again(copy.copy(self.problem), fit.effects, fit.point.stood)
                 if near_by(self.problem, found):
                     return found
@@ -127,7 +118,7 @@ class Search:
         def one(start: tuple[tuple[Effect, ...], Array]) -> Fit | None:
             try:
                 return again(copy.copy(self.problem), *start)
-            except (InputError, SolveError):
+            except UNCOMPUTABLE:
                 return None
 
         for found in counted(one, starts, progress, words):
@@ -165,7 +156,7 @@ class Search:
         def one(fit: Fit) -> Fit:
             try:
                 found = again(copy.copy(self.problem), fit.effects, best.point.stood, hopeless=fit.objective)
-            except (InputError, SolveError):
+            except UNCOMPUTABLE:
                 return fit
             return min(fit, found, key=self.score)
 
@@ -241,65 +232,22 @@ class Search:
         if self.problem.unknowns.scatter.common:
             # Of means the fit itself knows errors of the model and their size: what is not faint has been told from them.
             return ""
-        if fit not in self._mimicked:
-            self._mimicked[fit] = mimicked(self.problem, fit)
-        for effect, share in zip(fit.effects, self._mimicked[fit], strict=True):
+        columns, shares = self._mimicked.get(fit, (None, ()))
+        if columns is not self.problem.columns:
+            try:
+                shares = mimicked(self.problem, fit)
+            except UNCOMPUTABLE:
+                return "what errors of our own model would do beside it cannot be computed"
+            self._mimicked[fit] = self.problem.columns, shares
+        for effect, share in zip(fit.effects, shares, strict=True):
             if share > MIMICKED:
                 return f"{effect.describe()}: errors of our own model would be taken for half of it or more"
         return ""
 
 
-def score(problem: Problem, fit: Fit) -> float:
-    """Return the score of a fit, by which explanations of one problem are told apart; lower is better.
-
-    Parameters
-    ----------
-    problem : Problem
-        Of the records that were fitted.
-    fit : Fit
-        Of effects and nuisances, or of nuisances alone.
-
-    Returns
-    -------
-    float
-        Its objective, and what it pays for parameters, for the teeth and gears among which its effects were chosen, and for parameters at
-        a bound; errors of model and index that do the work of an effect cost as one must gain.
-    """
-    pair = problem.campaign.setup.pair
-    teeth = 2.0 * math.log(pair.pinion.teeth + pair.wheel.teeth)
-    cost = sum(PARAMETER * len(effect.parameters()) + (teeth if hasattr(effect, "tooth") else 0.0) for effect in fit.effects)
-    strayed = problem.detected * float((beyond(errors_of(problem, fit)) ** 2).sum())
-    return fit.objective + cost + AT_BOUND * len(fit.bound) + strayed
-
-
-def errors_of(problem: Problem, fit: Fit) -> Array:
-    """Return errors of our model in prior deviations, and how far index errors are from those of single teeth, see `uneven`."""
-    return np.concatenate([fit.point.unknown[problem.unknowns.first_form :], uneven(problem, fit).ravel()])
-
-
-def stays(problem: Problem, fit: Fit) -> bool:
-    """Return whether scales, errors of our model and index errors of a fit stay where they do the work of no effect."""
-    return not problem.strayed(fit.point.unknown).any() and not beyond(errors_of(problem, fit)).any()
-
-
-def near_by(problem: Problem, fit: Fit) -> bool:
-    """Return whether a fit leaves no record far off and its nuisances stay: one from elsewhere would end no better."""
-    return stays(problem, fit) and bool((fit.squares / problem.floor).max() < FAR)
-
-
 def way_of(effect: Effect) -> tuple[str, str]:
     """Return how an effect acts, where in the model and how it repeats: one of the same way may do what another one's shape lacks."""
     return "teeth" if effect.stage in ("flank", "placement") else effect.stage, effect.repeats
-
-
-def label(effects: tuple[Effect, ...]) -> tuple[Label, ...]:
-    """Return names, gears and teeth, by which explanations are told apart."""
-    return tuple(sorted((e.name, "" if e.either_gear else getattr(e, "gear", ""), getattr(e, "tooth", -1)) for e in effects))
-
-
-def simplicity(effects: tuple[Effect, ...]) -> tuple[int, int]:
-    """Return how many effects there are, and parameters: of explanations that fit alike the one with fewest is named."""
-    return len(effects), sum(len(effect.parameters()) for effect in effects)
 
 
 def exchanged(fit: Fit) -> Iterator[Fit]:

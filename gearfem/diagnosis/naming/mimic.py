@@ -6,6 +6,7 @@ import numpy as np
 
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.modelling.differences import one_sided
 from gearfem.diagnosis.modelling.model_form import form_errors
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array
@@ -20,7 +21,7 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     Parameters
     ----------
     problem : Problem
-        Prepared near the fit.
+        Prepared near the fit, under any effects.
     fit : Fit
         Any.
 
@@ -34,6 +35,7 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     point, count = fit.point, problem.unknowns.first_form - problem.outer
     if not fit.effects:
         return ()
+    problem = problem.beside(fit.effects)
     without = [fit.effects[:out] + fit.effects[out + 1 :] for out in range(len(fit.effects))]
     responses = [problem.response(point, others) for others in without]
     form = np.concatenate([part[:, count:] for part in problem.linear.columns])
@@ -55,15 +57,16 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
 
 def _finite(problem: Problem, fit: Fit) -> Array:
     """Return what each error of the model would do if it were larger by a part, in parts: whitened, shape (m, v)."""
-    unknown, effects, unknowns = fit.point.stood, problem.effects, problem.unknowns
-    here = problem.predict(effects, unknown)
+    unknown, unknowns = fit.point.stood, problem.unknowns
     columns = []
     for place, variant in enumerate(unknowns.errors, unknowns.wrong.start):
-        moved = unknown.copy()
-        part = PART if unknown[place] + PART <= variant.most else -PART
-        moved[place] += part
-        ahead = problem.predict(effects, moved)
-        columns.append(problem.whiten(tuple((a - b) / part for a, b in zip(ahead, here, strict=True))))
+
+        def quotient(part: float, place: int = place) -> Array:
+            moved = unknown.copy()
+            moved[place] += part
+            return problem.change(fit.point, fit.effects, moved) / part
+
+        columns.append(one_sided(quotient, PART if unknown[place] + PART <= variant.most else -PART))
     return np.column_stack(columns) if columns else np.empty((len(fit.white), 0))
 
 
