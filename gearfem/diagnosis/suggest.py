@@ -13,7 +13,7 @@ from gearfem.definition.setup import Member
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.marginal import marginal
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.modelling.columns import errors_of
+from gearfem.diagnosis.modelling.columns import error_columns
 from gearfem.diagnosis.modelling.nuisances import BUILD, MOVING, SCALES, slopes
 from gearfem.diagnosis.modelling.system_bench import SystemBench
 from gearfem.diagnosis.reading.measurement import Measurement, make_record
@@ -160,7 +160,7 @@ def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBen
     known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *BUILD, *MOVING) if nuisance.name not in own))
     moved = np.array([fit.point.unknown[own[nuisance.name]] if nuisance.name in own else 0.0 for nuisance in known])
     constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
-    errors = errors_of(record, bench, fit.settings, problem.unknowns.scatter, predicted, problem.unknowns.errors)
+    errors = error_columns(record, bench, fit.settings, problem.unknowns.scatter, predicted, problem.unknowns.errors)
     scales = slopes(record, bench, fit.settings, known, moved, predicted)
     return np.concatenate([constant, scales, errors], axis=1)
 

@@ -24,7 +24,7 @@ from gearfem.diagnosis.naming.mimic import _form_scales, mimicked
 from gearfem.diagnosis.naming.name import _by_rows
 from gearfem.diagnosis.naming.naming import Verdict, sentence_of
 from gearfem.diagnosis.naming.search import Search
-from gearfem.diagnosis.naming.suspects import misshapen, unlikely
+from gearfem.diagnosis.naming.suspects import improbable, misshapen
 from gearfem.diagnosis.naming.verdict import _mirrored, _verdict_on, explains, judge, needed
 from gearfem.diagnosis.reading.measurement import make_record
 from gearfem.diagnosis.write import stderr
@@ -266,15 +266,15 @@ def test_a_name_stands_beside_a_rest_that_is_little_of_the_gap(found: Diagnosis,
     assert _verdict_on(found.problem, found.naming.fit, 0.95, (level, left), sound=False, close=[]) == verdict
 
 
-@pytest.mark.parametrize(("moved", "improbable"), [(1.2, False), (2.0, True)])
-def test_nuisances_that_are_each_likely_may_not_be_so_together(found: Diagnosis, moved: float, improbable: bool) -> None:
+@pytest.mark.parametrize(("moved", "so_far"), [(1.2, False), (2.0, True)])
+def test_nuisances_that_are_each_likely_may_not_be_so_together(found: Diagnosis, moved: float, so_far: bool) -> None:
     """Wherever the zero of the angle is, of which nothing is known."""
     problem, alone = found.problem, found.naming.alone
     unknown = alone.point.unknown.copy()
     unknown[: problem.outer] = moved
     unknown[[nuisance.name for nuisance in problem.nuisances].index("angle_offset")] = 9.0
     unknown[problem.unknowns.wrong] = -moved
-    assert unlikely(problem, dataclasses.replace(alone, point=dataclasses.replace(alone.point, unknown=unknown))) is improbable
+    assert improbable(problem, dataclasses.replace(alone, point=dataclasses.replace(alone.point, unknown=unknown))) is so_far
 
 
 def test_a_smooth_shape_in_smooth_noise_is_no_agreement() -> None:

@@ -25,12 +25,12 @@ SERIES_TRIED, DAMPING_TRIED = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0),
 # Times that the fit of slow records, a place to start from, is prepared anew.
 TIMES = 4
 # What a fit leaves of a record, over what can be expected, beyond which it may stand in the wrong place.
-LOST = 5.0
+FAR_OFF = 5.0
 
 
 def lost(problem: Problem, fit: Fit) -> bool:
     """Return whether a fit is so far from a record that it may stand in the wrong place."""
-    return bool((fit.squares / problem.floor).max() > LOST)
+    return bool((fit.squares / problem.floor).max() > FAR_OFF)
 
 
 def moves_otherwise(problem: Problem, base: Fit, effects: tuple[Effect, ...]) -> bool:

@@ -41,7 +41,7 @@ def make_columns(
     Returns
     -------
     tuple of ndarray, shapes (n, i)
-        Of each record over the inner unknowns in prior deviations [SI]: those of `errors_of` behind constants.
+        Of each record over the inner unknowns in prior deviations [SI]: those of `error_columns` behind constants.
     tuple of ndarray, shapes (m_r, i + outer)
         The same whitened, and the outer unknowns behind them: scales and the zero of the angle.
     tuple of ndarray, shapes (n,)
@@ -64,10 +64,10 @@ def _inner(record: Measurement, number: int, unknowns: Unknowns, bench: SystemBe
     offset = np.zeros((len(record.axis), len(unknowns.offsets)))
     if number in unknowns.offsets:
         offset[:, unknowns.offsets.index(number)] = FREE
-    return np.concatenate([offset, errors_of(record, bench, settings, unknowns.scatter, here, unknowns.errors)], axis=1)
+    return np.concatenate([offset, error_columns(record, bench, settings, unknowns.scatter, here, unknowns.errors)], axis=1)
 
 
-def errors_of(
+def error_columns(
     record: Measurement, bench: SystemBench, settings: Settings, scatter: Scatter, here: Array, errors: tuple[Variant, ...]
 ) -> Array:
     """Return what errors of single teeth and of our own model do to a record [SI], at one deviation each.

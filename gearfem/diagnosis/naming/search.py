@@ -202,7 +202,7 @@ class Search:
         like, other = (self.further_least(share) for share in (FURTHER, FURTHER_OTHER))
 
         def price(fit: Fit) -> float:
-            ways = len({way_of(effect) for effect in fit.effects})
+            ways = len({manner_of(effect) for effect in fit.effects})
             further = like * (len(fit.effects) - ways) + other * max(ways - 1, 0)
             return self.score(fit) + further
 
@@ -245,7 +245,7 @@ class Search:
         return ""
 
 
-def way_of(effect: Effect) -> tuple[str, str]:
+def manner_of(effect: Effect) -> tuple[str, str]:
     """Return how an effect acts, where in the model and how it repeats: one of the same way may do what another one's shape lacks."""
     return "teeth" if effect.stage in ("flank", "placement") else effect.stage, effect.repeats
 

@@ -17,7 +17,7 @@ from gearfem.diagnosis.naming.gap import gap_left
 from gearfem.diagnosis.naming.identify import Identifiability, identify
 from gearfem.diagnosis.naming.naming import Naming
 from gearfem.diagnosis.naming.screen import in_place, screened
-from gearfem.diagnosis.naming.search import MOST, Search, Start, way_of, without_one
+from gearfem.diagnosis.naming.search import MOST, Search, Start, manner_of, without_one
 from gearfem.diagnosis.naming.suspects import sound
 from gearfem.diagnosis.naming.verdict import judge, outscored
 from gearfem.diagnosis.ranking.candidate import Candidate, together
@@ -219,8 +219,8 @@ def _of_each_way(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the first candidates, and the first one of each way in which effects act."""
     ways: dict[tuple[str, str], Candidate] = {}
     for candidate in candidates:
-        ways.setdefault(way_of(candidate.effect), candidate)
-    return [c for place, c in enumerate(candidates) if place < PAIRED or c is ways[way_of(c.effect)]]
+        ways.setdefault(manner_of(candidate.effect), candidate)
+    return [c for place, c in enumerate(candidates) if place < PAIRED or c is ways[manner_of(c.effect)]]
 
 
 def _apart(candidates: Sequence[Candidate]) -> list[Candidate]:

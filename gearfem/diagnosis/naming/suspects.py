@@ -23,7 +23,7 @@ UNLIKELY = 0.01
 def sound(search: Search) -> bool:
     """Return whether nuisances alone leave no gap and do the work of no effect, none of them by itself nor all together."""
     problem, alone = search.problem, search.alone
-    return gap_left(alone, problem) < 1.0 and stays(problem, alone) and not unlikely(problem, alone) and not wide(problem, alone)
+    return gap_left(alone, problem) < 1.0 and stays(problem, alone) and not improbable(problem, alone) and not wide(problem, alone)
 
 
 def astray(search: Search) -> list[tuple[str, float]]:
@@ -67,7 +67,7 @@ def wrong_by(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
     return [(f"error of the model, {variant.words},", float(one)) for variant, one in moved if abs(one) > LOST]
 
 
-def unlikely(problem: Problem, fit: Fit) -> bool:
+def improbable(problem: Problem, fit: Fit) -> bool:
     """Return whether nuisances and errors of the model in a fit are farther off than healthy ones are together, whatever the zero is."""
     unknowns = problem.unknowns
     own = [place for place, nuisance in enumerate(problem.nuisances) if nuisance.name != "angle_offset"]

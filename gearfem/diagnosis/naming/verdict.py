@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from scipy.stats import chi2
 
@@ -32,6 +32,8 @@ REST = 2.4
 # Part of what nuisances alone leave that may remain all the same, and gaps at most: shapes of real effects differ from ours. Right names
 # have left up to 0.10 of it and 3.1 gaps, wrong ones in the place of bodies and leads 0.26 and more, or, for an encoder, 560 gaps.
 RESEMBLES, WIDEST = 0.15, 4.0
+# What is said of a name beside nuisances that leave no gap.
+ALL_THE_SAME = "It is named all the same: nuisances leave as little only with values that are by so much less likely."
 
 
 def needed(search: Search, effects: tuple[Effect, ...]) -> float:
@@ -100,18 +102,18 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search, best.effects):.0f}.",
             f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(remains)}.",
-            *(
-                ["It is named all the same: nuisances leave as little only with values that are by so much less likely."]
-                if named.effects and level < OPEN
-                else ()
-            ),
-            *(
-                f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
-                for words, moved in suspects
-            ),
-            *(f"Nuisances alone: {file} keeps {size:.1f} times its noise, more than noise alike over all its rows." for file, size in kept),
+            *([ALL_THE_SAME] if named.effects and level < OPEN else ()),
+            *_of_nuisances(suspects, kept),
         ),
     )
+
+
+def _of_nuisances(suspects: Iterable[tuple[str, float]], kept: Iterable[tuple[str, float]]) -> Iterator[str]:
+    """Yield in words which nuisances may do the work of effects, and which records they leave too wide."""
+    for words, moved in suspects:
+        yield f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
+    for file, size in kept:
+        yield f"Nuisances alone: {file} keeps {size:.1f} times its noise, more than noise alike over all its rows."
 
 
 def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, float], sound: bool, close: Sequence[Fit]) -> Verdict:

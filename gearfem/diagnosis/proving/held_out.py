@@ -14,7 +14,7 @@ from gearfem.diagnosis.proving.prove import Gap, Proof
 from gearfem.effects.effect import Effect
 
 # What a record held out may be left with, in parts of what can be expected of it, unless at least this share of its gap is closed.
-OPEN, CLOSES = 2.0, 0.5
+STAYS_OPEN, CLOSES = 2.0, 0.5
 # What nuisances alone leave of records held out over what the named effects leave, below which these are no explanation; and where
 # nuisances stray, which foretell other records too then.
 WORSE, FAR_WORSE = 0.97, 0.5
@@ -57,7 +57,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
         return _withdrawn(naming, naming.without if sound else "unexplained", "more", records="the records that were fitted")
     over, doubt = proof.over_nuisances, SURE * (proof.stderr or 0.0)
     held = [gap for gap in proof.records if gap.measurement.proves]
-    far = [gap for gap in held if gap.rms(gap.after) > OPEN * gap.expected_rms]
+    far = [gap for gap in held if gap.rms(gap.after) > STAYS_OPEN * gap.expected_rms]
     if naming.fit.effects and over is not None:
         waves = naming.gapless and _turning(naming.fit.effects)
         if words := _refused(proof, sound, waves):
@@ -68,7 +68,7 @@ def as_held_out_leaves(naming: Naming, proof: Proof, sound: bool) -> Naming:
             return _withdrawn(naming, "unexplained", "more")
         if not better and (proof.over_smooth or 1.0) < SMOOTHER:
             return _withdrawn(naming, "unexplained", "not surely less", _smooth(proof))
-    wide = [gap for gap in held if gap not in far and gap.rms(gap.after) > OPEN * gap.floor_rms]
+    wide = [gap for gap in held if gap not in far and gap.rms(gap.after) > STAYS_OPEN * gap.floor_rms]
     if naming.fit.effects and wide:
         reason = f"Records held out ({_files(wide)}) are foretold no better than the parameters are known."
         naming = dataclasses.replace(naming, reasons=(*naming.reasons, reason))
