@@ -186,9 +186,14 @@ def _zero(problem: Problem, progress: Progress) -> float:
     def fits(effects: tuple[Effect, ...], away: float | None, rounds: int) -> Iterator[Fit]:
         for guess in guess_zero(few.records, few.bench(effects), level, deviations):
             if away is None or _apart(guess, away, setup.pair) > VALLEY:
-                yield fit_from(few, dataclasses.replace(level, angle_offset=guess), rounds, effects)
+                # A guess that cannot be computed is none.
+                with contextlib.suppress(*UNCOMPUTABLE):
+                    yield fit_from(few, dataclasses.replace(level, angle_offset=guess), rounds, effects)
 
-    best = min(fits((), None, GUESSED), key=lambda fit: fit.objective)
+    best = min(fits((), None, GUESSED), key=lambda fit: fit.objective, default=None)
+    if best is None:
+        # What is fitted next says why.
+        return 0.0
     zero = best.settings.angle_offset
     for number, effects in enumerate(worn):
         progress("angle zero", number, len(worn))
