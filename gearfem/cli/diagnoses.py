@@ -8,7 +8,7 @@ from pathlib import Path
 from gearfem.cli.steps import Done
 from gearfem.diagnosis.diagnose import choose, diagnose
 from gearfem.diagnosis.reading.campaign import read_campaign
-from gearfem.diagnosis.write import refuse_to_replace, write_diagnosis
+from gearfem.diagnosis.write import RESULT, refuse_to_replace, write_diagnosis
 from gearfem.effects.catalogue import catalogue, effects_from
 from gearfem.foundation.files import together
 from gearfem.foundation.progress import Progress
@@ -42,13 +42,15 @@ def run_diagnosis(
     InputError
         If the campaign, a name or a file cannot be used.
     """
-    kinds = choose(catalogue([kind for file in effect_files for kind in effects_from(file)]), only, exclude)
-    read = read_campaign(campaign)
+    further = [kind for file in effect_files for kind in effects_from(file)]
+    kinds = choose(catalogue(further), only, exclude)
+    read = read_campaign(campaign, further)
     refuse_to_replace(read, out)
     found = diagnose(read, kinds, progress)
     with together(out) as draft:
         pictures = [out / drawn.name for drawn in write_diagnosis_report(found, draft)]
-    # The verdict comes last: where it is, everything is.
+        # A verdict goes before anything else of it is replaced, and comes last: where it is, everything is.
+        (out / RESULT).unlink(missing_ok=True)
     files = write_diagnosis(found, out)
     lines = [f"{found.naming.verdict}: {found.naming.sentence}", *found.proof.reasons]
     lines += [one.sentence for one in found.suggestions[:1]]

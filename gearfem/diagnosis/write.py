@@ -22,6 +22,8 @@ from gearfem.foundation.files import write_csv, write_json
 from gearfem.foundation.units import RPM, UM, factor
 
 RESULT, MODEL, MAPS = "diagnosis.json", "updated.toml", "maps.csv"
+# Written beside them, by `gearfem.report`.
+REPORT = "report.html"
 # A nuisance beyond so many prior deviations is a finding itself.
 FINDING = 3.0
 MAPS_SAY = (
@@ -49,7 +51,7 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> list[Path]:
     Raises
     ------
     InputError
-        If it would replace the campaign's own model.
+        If one of them would replace what the campaign was read from.
     """
     refuse_to_replace(diagnosis.campaign, out)
     model = write_updated(diagnosis.campaign, diagnosis.naming.fit, diagnosis.proof, Path(out) / MODEL)
@@ -59,15 +61,23 @@ def write_diagnosis(diagnosis: Diagnosis, out: Path) -> list[Path]:
 
 
 def refuse_to_replace(campaign: Campaign, out: Path) -> None:
-    """Refuse a folder of results in which the model that was found would take the place of the campaign's own.
+    """Refuse a folder in which results would take the place of what the campaign was read from, or in which their names are folders'.
 
     Raises
     ------
     InputError
         Naming both.
     """
-    if (out / MODEL).resolve() == Path(campaign.model).resolve():
-        raise InputError("--out", f"the folder of {campaign.model}, the campaign's model", f"another folder: {MODEL} would replace it")
+    folder = Path(campaign.path).parent
+    read = {Path(campaign.path): "the campaign", Path(campaign.model): "the campaign's model"}
+    read |= {folder / record.file: "a record of the campaign" for record in campaign.records}
+    kinds = {path.resolve(): (path, kind) for path, kind in read.items()}
+    for name in (RESULT, MODEL, MAPS, REPORT):
+        if found := kinds.get((out / name).resolve()):
+            path, kind = found
+            raise InputError("--out", f"the folder of {path}, {kind}", f"another folder: {name} would replace it")
+        if (out / name).is_dir():
+            raise InputError("--out", f"{out / name}, a folder", f"a folder in which {name} can be written")
 
 
 def as_json(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -113,6 +113,9 @@ def _enter(classes: dict[str, type[Effect]], kind: type[Effect]) -> None:
     if kind.stage not in STAGES or kind.history not in HISTORY:
         found = f"stage {kind.stage!r}, history {kind.history!r}"
         raise InputError(f"effect {kind.name}", found, f"a stage of {', '.join(STAGES)} and a history of {', '.join(HISTORY)}")
+    if "__dataclass_fields__" not in vars(kind) or kind.__abstractmethods__:
+        found = "no method act" if kind.__abstractmethods__ else "no dataclass"
+        raise InputError(f"effect {kind.name}", found, "a frozen dataclass (@dataclasses.dataclass(frozen=True, ...)) with a method act")
     bare = [field.name for field in dataclasses.fields(kind) if "parameter" not in field.metadata and field.name not in ("gear", "tooth")]
     if bare:
         raise InputError(f"effect {kind.name}", f"the field {bare[0]}", "gear, tooth, and fields declared by `parameter`")

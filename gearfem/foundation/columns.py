@@ -76,6 +76,8 @@ def read_columns(path: str | Path, headers: tuple[tuple[str, ...], ...], fewest:
 
 
 def _lines(path: str | Path) -> list[str]:
+    if Path(path).exists() and not Path(path).is_file():
+        raise InputError("file", "no regular file", "a CSV file that can be read", str(path))
     try:
         # Lines end where text files end them: a form feed in a comment is no end.
         return Path(path).read_text(encoding="utf-8-sig").split("\n")

@@ -28,7 +28,7 @@ def test_what_is_left_far_behind_by_one_that_may_be_named_is_not_fitted_again(de
 @pytest.mark.parametrize(("gained", "ends"), [(30.0, False), (10.0, True)])
 def test_what_first_fits_gain_is_looked_into_only_if_it_is_gained_by_fits_made_again(gained: float, ends: bool) -> None:
     """Half of what a name needs, 40; where the search ends the problem is prepared at the nuisances alone as they are then."""
-    first, again = (SimpleNamespace(point=SimpleNamespace(unknown=np.array([place]))) for place in (0.0, 1.0))
+    first, again = (SimpleNamespace(effects=(), point=SimpleNamespace(unknown=np.array([at]))) for at in (0.0, 1.0))
     prepared: list[float] = []
     search = SimpleNamespace(alone=first, ahead=lambda most: ["best"] * most, best=lambda most: "best")
     search.problem = SimpleNamespace(detected=40.0, prepare=lambda effects, unknown: prepared.append(unknown[0]))

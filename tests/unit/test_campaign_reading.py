@@ -94,7 +94,9 @@ def test_values_come_out_in_si(campaign: Callable[..., Campaign]) -> None:
 
 def test_a_motion_begins_as_the_model_has_fitted_it(campaign: Callable[..., Campaign], folder: Path) -> None:
     """Held out or not."""
-    kicks = "".join(f'[[calibration.record]]\nfile = "{name}.csv"\nkick = [{kick}, 0.0]\n' for name, kick in (("a", 1.5), ("b", -2.0)))
+    kicks = "".join(
+        f'[[calibration.record]]\nfile = "{name}.csv"\noffset_um = 0.0\nkick = [{kick}, 0.0]\n' for name, kick in (("a", 1.5), ("b", -2.0))
+    )
     (folder / "model.toml").write_text(MODEL + kicks)
     angle = np.linspace(0.0, 4.0 * np.pi, 1200)
     series = {name: table(angle, curve(seed, angle, 80.0 + seed)) for seed, name in enumerate("abc")}

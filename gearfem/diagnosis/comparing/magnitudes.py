@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from gearfem.diagnosis.modelling.bench import Bench, Oscillator, neutral
 from gearfem.diagnosis.modelling.mesh_lines import HARMONICS, lines_and_beside, mesh_lines
+from gearfem.diagnosis.modelling.system_bench import STRIDE
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.noise import measure_noise, roughness
 from gearfem.diagnosis.reading.quantities import QUANTITIES
-from gearfem.foundation import Array, InputError
+from gearfem.foundation import Array, InputError, SolveError
 from gearfem.foundation.units import RPM
 
 # Decades below and above the model's lines. Heavy wear makes them a hundredfold at low torque, relief at its design load a tenth.
@@ -36,13 +37,19 @@ PLAIN, CRUMB, ALONE = 5.0, 0.02, 2.5
 NOISE, LINES = (0.8, 0.7), 0.5
 
 
+# Least torque of a record, in parts of the rated one: next to nothing deflects under less.
+LIGHTEST = 1e-5
+# Part of its resonance that the mesh may meet in a slow record; and steps of a motion at most: a fit asks for some thousand motions.
+SLOW, STEPS = 0.1, 5e5
+
+
 def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
-    """Refuse records that are far from the model by their size, or nearer to it at another unit of their speed.
+    """Refuse records that the model cannot have been asked for, those far from it by their size, or nearer to it at another unit of speed.
 
     Parameters
     ----------
     campaign : Campaign
-        Records over the angle are looked at, held-out ones too: they must be in the units that they say, whatever they hold.
+        All records of a loaded pair are looked at, held-out ones too: they must be in the units that they say, whatever they hold.
     bench : Bench
         The model.
 
@@ -52,9 +59,12 @@ def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
         Naming the record, its column or key, and the power of ten or the speed that would fit.
     """
     for number, record in enumerate(campaign.records, 1):
-        if record.quantity.axis != "angle":
+        if record.quantity.of_gear:
             continue
         try:
+            _check_load(record, bench, campaign.setup.operation.pinion_torque)
+            if record.quantity.axis != "angle":
+                continue
             # A wrong speed changes the size of accelerations by its square: it is asked about first.
             if record.quantity.moving:
                 _check_speed(record, bench)
@@ -64,6 +74,33 @@ def refuse_magnitudes(campaign: Campaign, bench: Bench) -> None:
             key = error.where.removeprefix("operation.")
             where = f"record[{number}] ({record.file}).{key}"
             raise error if error.file else InputError(where, error.found, error.allowed, campaign.path) from None
+
+
+def _check_load(record: Measurement, bench: Bench, rated: float) -> None:
+    """Refuse a torque that the model does not bear, and a speed at which a slow record is no slow one, or a motion takes for ever."""
+    torque, settings = record.pinion_torque, neutral(bench.pair)
+    if torque < LIGHTEST * rated:
+        least = f"from {LIGHTEST * rated:.3g} N m on, a hundred-thousandth of the {rated:g} N m of the model"
+        raise InputError("pinion_torque_Nm", f"{torque:g} N m", least)
+    try:
+        bench.weights(np.zeros(1), torque, settings)
+        oscillator = bench.oscillator(torque, settings) if record.quantity.moving or record.pinion_speed else None
+    except SolveError as error:
+        raise InputError("pinion_torque_Nm", f"{torque:g} N m, under which the model has no loads ({error})", "a torque in N m") from None
+    if oscillator is None:
+        return
+    if not record.quantity.moving:
+        meets = bench.pair.pinion.teeth * record.pinion_speed / oscillator.frequency
+        if meets > SLOW:
+            found = f"{record.pinion_speed / RPM:g} rpm, at which the mesh meets {meets:.2g} of its resonance"
+            raise InputError("pinion_speed_rpm", found, f"0 or a slow speed for {record.quantity.name}, or a quantity taken at speed")
+        return
+    rpm = (record.pinion_speed if record.quantity.is_motion else float(record.axis.min())) / RPM
+    span = float(np.ptp(record.axis)) if record.quantity.is_motion else 2.0 * math.pi
+    slowest = span * oscillator.fastest / STRIDE / STEPS / RPM
+    if rpm < slowest:
+        allowed = f"from {slowest:.3g} rpm on: below, take a slow record (static_transmission_error)"
+        raise InputError("pinion_speed_rpm", f"{rpm:g} rpm, at which the gears swing more than {STEPS:g} times", allowed)
 
 
 def _check_size(record: Measurement, bench: Bench, folder: Path) -> None:

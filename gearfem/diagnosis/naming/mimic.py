@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearfem.diagnosis.fitting.fit import Fit
+from gearfem.diagnosis.fitting.point import Point
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.differences import one_sided
 from gearfem.diagnosis.modelling.model_form import form_errors
@@ -29,8 +30,8 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     -------
     tuple of float
         The root of the sum of squares over all variants of the model and common form errors, each at one standard deviation: of what each
-        would be taken for if this effect were free beside the others of the fit and all nuisances. Form errors are those that flanks
-        without the effect have: how far its own shape may differ from its name imitates nothing.
+        would be taken for if this effect were free beside the others of the fit and all nuisances. Errors are those that a pair
+        without the effect has: how far its own shape may differ from its name imitates nothing.
     """
     point, count = fit.point, problem.unknowns.first_form - problem.outer
     if not fit.effects:
@@ -39,35 +40,34 @@ def mimicked(problem: Problem, fit: Fit) -> tuple[float, ...]:
     without = [fit.effects[:out] + fit.effects[out + 1 :] for out in range(len(fit.effects))]
     responses = [problem.response(point, others) for others in without]
     form = np.concatenate([part[:, count:] for part in problem.linear.columns])
-    wrong = _finite(problem, fit)
-    form[:, : wrong.shape[1]] = wrong
-    vectors = np.column_stack([*responses, form, problem.scales])
-    gram, _ = problem.linear.first(count).weighed(point.weights).measure(vectors, point.residual)
-    size, outer = len(responses), problem.outer
-    gram[len(gram) - outer :, len(gram) - outer :] += np.eye(outer)
+    linear, size, outer = problem.linear.first(count).weighed(point.weights), len(responses), problem.outer
     found = []
-    for own in range(size):
+    for own, (effects, response) in enumerate(zip(without, responses, strict=True)):
+        wrong = _finite(problem, point, effects, response)
+        form[:, : wrong.shape[1]] = wrong
+        gram, _ = linear.measure(np.column_stack([*responses, form, problem.scales]), point.residual)
+        gram[len(gram) - outer :, len(gram) - outer :] += np.eye(outer)
         others = [place for place in (*range(size), *range(len(gram) - outer, len(gram))) if place != own]
         shared = np.linalg.lstsq(gram[np.ix_(others, others)], gram[others, own], rcond=1e-12)[0]
         freed = gram[own] - shared @ gram[others]
-        errors = _form_scales(problem, without[own], form.shape[1])
+        errors = _form_scales(problem, effects, form.shape[1])
         found.append(float(np.linalg.norm(errors * freed[size : len(gram) - outer]) / max(freed[own], 1e-300)))
     return tuple(found)
 
 
-def _finite(problem: Problem, fit: Fit) -> Array:
-    """Return what each error of the model would do if it were larger by a part, in parts: whitened, shape (m, v)."""
-    unknown, unknowns = fit.point.stood, problem.unknowns
+def _finite(problem: Problem, point: Point, effects: tuple[Effect, ...], response: Array) -> Array:
+    """Return what each error of the model would do, a part larger and without the effect of a response: in parts, white (m, v)."""
+    unknown, unknowns = point.stood, problem.unknowns
     columns = []
     for place, variant in enumerate(unknowns.errors, unknowns.wrong.start):
 
         def quotient(part: float, place: int = place) -> Array:
             moved = unknown.copy()
             moved[place] += part
-            return problem.change(fit.point, fit.effects, moved) / part
+            return np.asarray((problem.change(point, effects, moved) + response) / part)
 
         columns.append(one_sided(quotient, PART if unknown[place] + PART <= variant.most else -PART))
-    return np.column_stack(columns) if columns else np.empty((len(fit.white), 0))
+    return np.column_stack(columns) if columns else np.empty((len(response), 0))
 
 
 def _form_scales(problem: Problem, effects: tuple[Effect, ...], count: int) -> Array:

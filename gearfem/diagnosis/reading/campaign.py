@@ -4,27 +4,33 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 
 from gearfem.definition.model_file import read_tables
 from gearfem.definition.setup import GearPair, Setup
+from gearfem.definition.validate import shown
 from gearfem.diagnosis.reading.faults import Fault, find_faults
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.periods import hunting_period, mean_cycle
 from gearfem.diagnosis.reading.quantities import QUANTITIES
 from gearfem.diagnosis.reading.roles import Role, share_roles
-from gearfem.diagnosis.reading.schema import RecordTable, validate_campaign
+from gearfem.diagnosis.reading.schema import ALLOWED, RecordTable, validate_campaign
 from gearfem.diagnosis.reading.series import read_series
 from gearfem.diagnosis.reading.siblings import refuse_duplicates, refuse_odd_units
-from gearfem.foundation import InputError, Record
+from gearfem.effects.effect import Effect
+from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import RPM
 from gearfem.model import load_model
 
 # Rows from which on records over several hunting cycles are taken as their mean; and rows times teeth at most, each of which takes some
 # 400 bytes of memory: 12 GB.
 LONG, ROWS = 20_000, 30_000_000
+# Noise that no record holds: of so many rows or more three times what they vary by, noise included (records say 1.4 times at most), or less
+# than a millionth of that; and least noise in the unit of the file.
+FEW, LOUDEST, FAINTEST, LEAST_NOISE = 8, 3.0, 1e-6, 1e-9
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -69,13 +75,15 @@ class Campaign(Record):
         return tuple(record for record in records if record.tooth_known) or records
 
 
-def read_campaign(path: str | Path) -> Campaign:
+def read_campaign(path: str | Path, effects: Iterable[type[Effect]] = ()) -> Campaign:
     """Read a campaign, check its data and share out the roles that it leaves open.
 
     Parameters
     ----------
     path : str or Path
         Campaign file, or the folder that holds it as campaign.toml; model and records are found relative to it.
+    effects : iterable of type
+        Effects from outside the catalogue that the model may name.
 
     Returns
     -------
@@ -87,6 +95,8 @@ def read_campaign(path: str | Path) -> Campaign:
         One line with file, key or row, what was found and what is allowed. Isolated spikes and single missing rows are
         repaired and listed in `remarks`; every other fault of the data is refused.
     """
+    if not str(path):
+        raise InputError("campaign", '""', "a campaign file (*.toml), or the folder that holds campaign.toml")
     path = Path(path)
     path = path / "campaign.toml" if path.is_dir() else path
     try:
@@ -94,7 +104,9 @@ def read_campaign(path: str | Path) -> Campaign:
     except InputError as error:
         raise error.in_file(str(path)) from None
     model = path.parent / table.model
-    setup = load_model(model)
+    if not model.is_file():
+        raise InputError("model", shown(table.model), f"{ALLOWED['model']}: there is no such file, {model}", str(path))
+    setup = load_model(model, effects=effects)
     records, remarks, kick = [], [], setup.calibration.kick
     for index, entry in enumerate(table.record, 1):
         try:
@@ -143,6 +155,7 @@ def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Meas
     except InputError as error:
         raise error.in_file(str(folder / entry.file)) from None
     axis, value = (column * unit for column, unit in zip((series.axis, series.value), quantity.factors, strict=True))
+    _check_noise(entry.noise_std, series.value[keep])
     record = Measurement(
         file=entry.file,
         quantity=quantity,
@@ -163,6 +176,19 @@ def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Meas
         said = f"the mean of {cycles} hunting cycles is taken, {len(record.axis)} of {len(axis)} rows"
         faults.append(Fault(record=entry.file, kind="mean", rows=(), sentence=said))
     return record, faults
+
+
+def _check_noise(stated: float | None, value: Array) -> None:
+    """Refuse a deviation of noise that the values of a record, in the unit of the file, cannot hold."""
+    if stated is None:
+        return
+    varies = float(np.std(value))
+    least = max(FAINTEST * varies, LEAST_NOISE)
+    if stated < least or (len(value) >= FEW and stated > LOUDEST * varies):
+        allowed = (
+            f"from {least:.3g} to {LOUDEST * varies:.3g} in the unit of the column, whose values vary by {varies:.3g} with their noise"
+        )
+        raise InputError("noise_std", f"{stated:g}", allowed)
 
 
 def _mean_of(record: Measurement, pair: GearPair) -> tuple[Measurement, int]:

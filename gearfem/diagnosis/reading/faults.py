@@ -21,6 +21,8 @@ GAP, GAP_UNEQUAL = 4.0, 3.0
 MISSING = 1.75
 # Turns of a gear off the rig.
 MOST_TURNS = 1000
+# Teeth that say anything beside an unknown constant.
+FEWEST_TEETH = 3
 SAMPLES_PER_PITCH = 6.0
 # Share of the fast variation that repeats with the mesh from which on it tells the unit of the angle: of 461 records in radians, with and
 # without effects, no other unit has more of it, and five times as much as they.
@@ -244,6 +246,9 @@ def _check_teeth(series: Series, quantity: Quantity, gear: Gear) -> None:
         row = int(odd[0])
         raise InputError(f"{series.row(row)}, column tooth", f"{series.axis[row]:g}", f"whole numbers from 0 to {last}")
     span, most = float(np.ptp(series.value)), gear.module / UM
+    if len(series.axis) < FEWEST_TEETH or span == 0.0:
+        found = f"{len(series.axis)} rows over {span:g} um"
+        raise InputError(f"column {quantity.columns[1]}", found, f"{FEWEST_TEETH} rows or more that vary: their constant is unknown")
     if span > most:
         found = f"values over {span:.4g} um"
         raise InputError(f"column {quantity.columns[1]}", found, f"a range up to the module, {most:g} um (micrometres, not nanometres?)")
