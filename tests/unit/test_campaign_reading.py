@@ -204,9 +204,15 @@ def missing_marks(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.
     return angle, value
 
 
+def short_marks(angle: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    value[(np.arange(len(angle)) % 50) < 3] = -999.0
+    return angle, value
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        (broken(short_marks), ("row 1 (line 3), column transmission_error_um", "-999 (", "near those of the other rows")),
         (broken(missing_marks), ("row 501 (line 503), column transmission_error_um", "-9999 (4 such rows", "near those of the other rows")),
         (broken(few), ("row 8 (line 10)", "-9999 (2 such rows")),
         (broken(every_tenth_missing), ("row 25", "a gap of")),

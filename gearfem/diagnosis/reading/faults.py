@@ -33,6 +33,9 @@ FEWEST_MESHES = 4.0
 MOST_SPIKES = 0.01
 # Outliers lie outside of all but this share of the rows at either end, two at least, by so many times the range of the others.
 OUTER, FEW_OUTER, OUTLIER = 0.01, 2, 20.0
+# Rows of one number that mark missing values, up to a share of all, and how far it lies from the others, in ranges of these: no instrument
+# reads one number that often.
+MARKS, MOST_MARKS, MARKED = 3, 0.2, 3.0
 # Part of the module that no tooth is late or early by.
 OUT_OF_PLACE = 0.05
 
@@ -125,10 +128,24 @@ def _refuse_outliers(series: Series, quantity: Quantity, keep: NDArray[Any], lea
     low, high = float(others[0]), float(others[-1])
     reach = max(OUTLIER * (high - low), least)
     rows = np.flatnonzero(keep & ((series.value < low - reach) | (series.value > high + reach)))
+    if not len(rows):
+        rows, low, high = _marks(series.value, keep, least)
     if reach > 0.0 and len(rows):
         row, column = int(rows[0]), quantity.columns[1]
         found = f"{series.value[row]:g} ({len(rows)} such rows: {rows_text(series, rows)})"
         raise InputError(f"{series.row(row)}, column {column}", found, f"values near those of the other rows, {low:.4g} to {high:.4g}")
+
+
+def _marks(value: Array, keep: NDArray[Any], least: float) -> tuple[NDArray[Any], float, float]:
+    """Return the rows that have one number, smallest or largest of all and far from any other, many times; and the range of the others."""
+    for mark in (value[keep].min(), value[keep].max()):
+        marked, others = keep & (value == mark), keep & (value != mark)
+        if not MARKS <= np.count_nonzero(marked) <= MOST_MARKS * np.count_nonzero(keep):
+            continue
+        low, high = float(value[others].min()), float(value[others].max())
+        if high > low and max(low - mark, mark - high) > max(MARKED * (high - low), least):
+            return np.flatnonzero(marked), low, high
+    return np.empty(0, int), 0.0, 0.0
 
 
 def rows_text(series: Series, rows: NDArray[Any]) -> str:
