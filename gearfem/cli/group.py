@@ -58,7 +58,9 @@ class Commands(click.Group):
             # click itself ends quietly where the reader of a pipe has gone.
             if error.errno == errno.EPIPE:
                 raise
-            _end(ctx, f"error: {error.filename or 'file'}: {(error.strerror or str(error)).lower()}", FAILED)
+            # A name that no file can have is the user's, and not a failure.
+            status = REFUSED if error.errno == errno.ENAMETOOLONG else FAILED
+            _end(ctx, f"error: {error.filename or 'file'}: {(error.strerror or str(error)).lower()}", status)
         except Exception:
             if not lost:
                 raise

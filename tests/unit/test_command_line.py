@@ -94,6 +94,10 @@ def test_wrong_words_are_one_line_with_option_found_and_allowed(given, found):
     assert_refused(call(*given), *found, "; allowed: ")
 
 
+def test_a_name_that_no_file_can_have_is_refused(tmp_path):
+    assert_refused(call("run", MODEL, "--out", tmp_path / ("x" * 300)), "file name too long")
+
+
 def test_no_words_at_all_show_the_help():
     assert "Commands:" in call().output
 
