@@ -8,6 +8,7 @@ import functools
 import importlib
 import importlib.metadata
 import importlib.util
+import inspect
 import math
 import pkgutil
 import sys
@@ -113,7 +114,8 @@ def _enter(classes: dict[str, type[Effect]], kind: type[Effect]) -> None:
     if kind.stage not in STAGES or kind.history not in HISTORY:
         found = f"stage {kind.stage!r}, history {kind.history!r}"
         raise InputError(f"effect {kind.name}", found, f"a stage of {', '.join(STAGES)} and a history of {', '.join(HISTORY)}")
-    if "__dataclass_fields__" not in vars(kind) or kind.__abstractmethods__:
+    undeclared = inspect.get_annotations(kind) and "__dataclass_fields__" not in vars(kind)
+    if undeclared or kind.__abstractmethods__:
         found = "no method act" if kind.__abstractmethods__ else "no dataclass"
         raise InputError(f"effect {kind.name}", found, "a frozen dataclass (@dataclasses.dataclass(frozen=True, ...)) with a method act")
     bare = [field.name for field in dataclasses.fields(kind) if "parameter" not in field.metadata and field.name not in ("gear", "tooth")]

@@ -82,14 +82,14 @@ def test_the_base_is_read_and_is_not_refused(tmp_path: Path) -> None:
     refuse_to_replace(campaign, tmp_path / "out")
 
 
-@pytest.mark.parametrize(("stated", "ends"), [(100.0, False), (10.0, True), (1e-7, False), (1e-4, True)])
+@pytest.mark.parametrize(("stated", "ends"), [(100.0, False), (10.0, True), (1e-9, False), (1e-4, True)])
 def test_noise_that_a_record_cannot_hold_is_refused(tmp_path: Path, stated: float, ends: bool) -> None:
     """Nanometres written for micrometres, and metres: the record varies by 6 um, its noise included."""
     file = write(tmp_path, SLOW | {"noise_std": stated})
     if ends:
         assert read_campaign(file).records[0].noise_std == pytest.approx(stated * 1e-6, rel=1e-12, abs=0.0)
         return
-    with pytest.raises(InputError, match=rf"record\[1\]\.noise_std: found {stated:g}; allowed: from 6.*e-06 to 18.*vary by 6"):
+    with pytest.raises(InputError, match=rf"record\[1\]\.noise_std: found {stated:g}; allowed: from 6.*e-08 to 18.*vary by 6"):
         read_campaign(file)
 
 

@@ -28,9 +28,9 @@ from gearfem.model import load_model
 # Rows from which on records over several hunting cycles are taken as their mean; and rows times teeth at most, each of which takes some
 # 400 bytes of memory: 12 GB.
 LONG, ROWS = 20_000, 30_000_000
-# Noise that no record holds: of so many rows or more three times what they vary by, noise included (records say 1.4 times at most), or less
-# than a millionth of that; and least noise in the unit of the file.
-FEW, LOUDEST, FAINTEST, LEAST_NOISE = 8, 3.0, 1e-6, 1e-9
+# Noise that no record holds: of so many rows over the angle or the speed three times what they vary by, noise included (records say 1.4
+# times at most), or of any a hundred-millionth of it; and least noise in the unit of the file.
+FEW, LOUDEST, FAINTEST, LEAST_NOISE = 8, 3.0, 1e-8, 1e-9
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -155,7 +155,7 @@ def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Meas
     except InputError as error:
         raise error.in_file(str(folder / entry.file)) from None
     axis, value = (column * unit for column, unit in zip((series.axis, series.value), quantity.factors, strict=True))
-    _check_noise(entry.noise_std, series.value[keep])
+    _check_noise(entry.noise_std, series.value[keep], LOUDEST if len(axis) >= FEW and not quantity.of_gear else math.inf)
     record = Measurement(
         file=entry.file,
         quantity=quantity,
@@ -178,16 +178,17 @@ def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Meas
     return record, faults
 
 
-def _check_noise(stated: float | None, value: Array) -> None:
-    """Refuse a deviation of noise that the values of a record, in the unit of the file, cannot hold."""
+def _check_noise(stated: float | None, value: Array, loudest: float) -> None:
+    """Refuse a deviation of noise that the values of a record, in the unit of the file, cannot hold: so many times what they vary by.
+
+    Of a gear off the rig it may stand for how well a method is trusted, which errs alike over a whole trace.
+    """
     if stated is None:
         return
     varies = float(np.std(value))
-    least = max(FAINTEST * varies, LEAST_NOISE)
-    if stated < least or (len(value) >= FEW and stated > LOUDEST * varies):
-        allowed = (
-            f"from {least:.3g} to {LOUDEST * varies:.3g} in the unit of the column, whose values vary by {varies:.3g} with their noise"
-        )
+    least, most = max(FAINTEST * varies, LEAST_NOISE), loudest * varies if varies else math.inf
+    if not least <= stated <= most:
+        allowed = f"from {least:.3g} to {most:.3g} in the unit of the column, whose values vary by {varies:.3g}, noise included"
         raise InputError("noise_std", f"{stated:g}", allowed)
 
 
