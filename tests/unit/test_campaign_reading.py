@@ -92,19 +92,6 @@ def test_values_come_out_in_si(campaign: Callable[..., Campaign]) -> None:
     assert (third.gear, third.tooth, first.line[0], read.angle_known) == ("wheel", 40, 3, False)
 
 
-def test_a_motion_begins_as_the_model_has_fitted_it(campaign: Callable[..., Campaign], folder: Path) -> None:
-    """Held out or not."""
-    kicks = "".join(
-        f'[[calibration.record]]\nfile = "{name}.csv"\noffset_um = 0.0\nkick = [{kick}, 0.0]\n' for name, kick in (("a", 1.5), ("b", -2.0))
-    )
-    (folder / "model.toml").write_text(MODEL + kicks)
-    angle = np.linspace(0.0, 4.0 * np.pi, 1200)
-    series = {name: table(angle, curve(seed, angle, 80.0 + seed)) for seed, name in enumerate("abc")}
-    roles = {"a": "fit", "b": "holdout", "c": "fit"}
-    read = campaign(*(static(name, 80.0 + seed, f'role = "{roles[name]}"\n') for seed, name in enumerate("abc")), **series)
-    assert [record.kick for record in read.records] == [(1.5, 0.0), (-2.0, 0.0), (0.0, 0.0)]
-
-
 def test_the_folder_stands_for_the_campaign_in_it(campaign: Callable[..., Campaign], folder: Path) -> None:
     read = campaign(static("a", 40.0), a=te(1, 40.0))
     assert read_campaign(folder).path == read.path

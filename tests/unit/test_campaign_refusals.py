@@ -1,4 +1,4 @@
-"""What a campaign cannot mean, and results that would take the place of what it was read from: one line each."""
+"""What a campaign takes from its model; what it cannot mean, and results in the place of what was read: one line each."""
 
 from __future__ import annotations
 
@@ -80,6 +80,17 @@ def test_the_base_is_read_and_is_not_refused(tmp_path: Path) -> None:
     campaign = read_campaign(write(tmp_path, SLOW | {"noise_std": 0.1}, RUNOUT))
     refuse_magnitudes(campaign, bench_of(campaign))
     refuse_to_replace(campaign, tmp_path / "out")
+    assert [record.file for record in campaign.records] == ["a.csv", "b.csv"]
+
+
+def test_a_motion_begins_as_the_model_has_fitted_it(tmp_path: Path) -> None:
+    """Held out or not."""
+    kicks = {"a.csv": [1.5, 0.0], "b.csv": [-2.0, 0.0]}
+    calibration = {"record": [{"file": file, "offset_um": 0.0, "kick": kick} for file, kick in kicks.items()]}
+    angle = "\n".join(f"{x:.8f},{y:.5f}" for x, y in zip(ANGLE, 9.0 * np.sin(23.0 * ANGLE + 1.0) + np.cos(ANGLE), strict=True))
+    held = FAST | {"file": "b.csv", "role": "holdout", "pinion_speed_rpm": 700.0}
+    file = write(tmp_path, FAST, held, model=MODEL | {"calibration": calibration}, b=f"pinion_angle_rad,transmission_error_um\n{angle}\n")
+    assert [record.kick for record in read_campaign(file).records] == [(1.5, 0.0), (-2.0, 0.0)]
 
 
 @pytest.mark.parametrize(("stated", "ends"), [(100.0, False), (10.0, True), (1e-9, False), (1e-4, True)])

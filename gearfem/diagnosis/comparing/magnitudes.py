@@ -35,8 +35,6 @@ PLAIN, CRUMB, ALONE = 5.0, 0.02, 2.5
 # Decades by which noise is too small or too large for the stated one, where the mesh lines are off by as many parts of a decade as well: of
 # 363 records that say their noise, coloured or not, it is 0.26 to 2.4 times that.
 NOISE, LINES = (0.8, 0.7), 0.5
-
-
 # Least torque of a record, in parts of the rated one: next to nothing deflects under less.
 LIGHTEST = 1e-5
 # Part of its resonance that the mesh may meet in a slow record; and steps of a motion at most: a fit asks for some thousand motions.

@@ -178,13 +178,15 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
     setup, bench = campaign.setup, problem.bench(fit.effects)
     systems = (calibrated(setup, believed), calibrated(setup, alone.settings, alone.effects), calibrated(setup, fit.settings, fit.effects))
     floor_of = partial(_floor, problem, fit, bench, waviness=_waviness(problem, fit))
+    fitted = {record.file: (record, noise) for record, noise in zip(problem.records, problem.noises, strict=True)}
     drafts, missed = [], []
     for number, record in enumerate(campaign.records):
         progress("proof", number, len(campaign.records))
         try:
-            drafts.append(_draft(problem, record, systems, bench, fit.settings, floor_of))
+            own, noise = fitted.get(record.file, (record, None))
+            drafts.append(_draft(own, noise, systems, bench, fit.settings, floor_of))
         except UNCOMPUTABLE as error:
-            if any(record.file == own.file for own in problem.records):
+            if record.file in fitted:
                 raise
             missed.append(f"{record.file} is left out of the proof: the model has no such record where it was taken ({error}).")
     progress("proof", len(campaign.records), len(campaign.records))
@@ -210,19 +212,17 @@ def prove(problem: Problem, fit: Fit, alone: Fit, progress: Progress = quiet) ->
 
 
 def _draft(
-    problem: Problem,
-    asked: Measurement,
+    record: Measurement,
+    noise: Noise | None,
     systems: tuple[System, ...],
     bench: SystemBench,
     settings: Settings,
     floor_of: Callable[..., float],
 ) -> tuple[Measurement, float, float, list[Left]]:
-    """Return a record of the campaign, its noise, its floor, and what each system leaves of it."""
-    fitted = {record.file: (record, noise) for record, noise in zip(problem.records, problem.noises, strict=True)}
-    record, noise = fitted.get(asked.file, (asked, None))
+    """Return a record of the campaign, its noise, which is measured where it is not known, its floor, and what each system leaves of it."""
     parts = [left_of(record, system) for system in systems]
     if noise is None:
-        noise = measure_noise(record, problem.campaign.setup.pair, record.value - parts[-1][0])
+        noise = measure_noise(record, bench.pair, record.value - parts[-1][0])
         record = dataclasses.replace(record, erratic=erratic(record, noise, bench, settings))
     record, floor, parts = _met(record, partial(floor_of, noise=noise), parts, systems)
     return record, noise.std, floor, parts
