@@ -127,7 +127,7 @@ def _bare(setup: Setup) -> Setup:
 def _act(record: Stated, effects: tuple[Effect, ...], setup: Setup) -> Stated:
     """Return the record of a stage with all effects of that stage in it."""
     for effect in effects:
-        record = effect.act(record, setup)
+        record = effect.acted(record, setup)
     return record
 
 

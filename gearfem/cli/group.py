@@ -16,7 +16,7 @@ from typing import Any
 import click
 
 from gearfem.cli.usage import usage_line
-from gearfem.foundation.errors import InputError, SolveError
+from gearfem.foundation.errors import EffectError, InputError, SolveError
 
 REFUSED, FAILED, INTERRUPTED = 2, 1, 130
 
@@ -50,6 +50,8 @@ class Commands(click.Group):
         except MemoryError as error:
             what = f" ({error})" if str(error) else ""
             _end(ctx, f"error: not enough memory{what}; a lower --resolution or fewer steps take less", FAILED)
+        except EffectError as error:
+            _end(ctx, f"error: {error}", REFUSED)
         except (SolveError, FloatingPointError) as error:
             _end(ctx, f"error: {error}", FAILED)
         except KeyboardInterrupt:
@@ -102,7 +104,8 @@ def _told_of(lost: list[str]) -> Iterator[None]:
 
 
 def _end(ctx: click.Context, line: str, status: int) -> None:
-    click.echo(" ".join(line.split("\n")), err=True)
+    shown = (c if c.isprintable() else c.encode("unicode_escape").decode() for c in line.replace("\n", " "))
+    click.echo("".join(shown), err=True)
     ctx.exit(status)
 
 

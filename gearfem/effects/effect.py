@@ -6,10 +6,12 @@ import abc
 import dataclasses
 import math
 from collections.abc import Callable
-from typing import Any, ClassVar, Literal, Self, TypeAlias, get_args
+from typing import Any, ClassVar, Literal, Self, TypeAlias, TypeVar, cast, get_args
+
+import numpy as np
 
 from gearfem.definition.setup import Member, Setup
-from gearfem.foundation import InputError, Record
+from gearfem.foundation import UNCOMPUTABLE, EffectError, InputError, Record
 from gearfem.foundation.units import factor
 
 Stage = Literal["flank", "compliance", "placement", "contact", "drive", "sensing"]
@@ -20,6 +22,7 @@ History = Literal["made", "mounted", "worn", "running"]
 HISTORY: tuple[History, ...] = get_args(History)
 MEMBERS: tuple[Member, ...] = get_args(Member)
 
+Stated = TypeVar("Stated")
 Size: TypeAlias = float | Callable[[Setup, Member], float]
 
 
@@ -154,6 +157,32 @@ class Effect(Record, abc.ABC):
     @abc.abstractmethod
     def act(self, record: Any, setup: Setup) -> Any:
         """Return the record of its stage with this effect in it, of the same type."""
+
+    def acted(self, record: Stated, setup: Setup) -> Stated:
+        """Return what `act` makes of the record of its stage.
+
+        Raises
+        ------
+        InputError, SolveError
+            If it cannot act on this pair, as it says itself.
+        FloatingPointError
+            If it leaves what is no number.
+        EffectError
+            If its code fails, or returns no record.
+        """
+        try:
+            changed = self.act(record, setup)
+        except UNCOMPUTABLE:
+            raise
+        except Exception as error:
+            raise EffectError(f'effect "{self.name}": act fails with {type(error).__name__} ({error})') from error
+        if not isinstance(changed, Record):
+            raise EffectError(f'effect "{self.name}": act returns {changed!r:.40}, no {type(record).__name__} as it is given')
+        for field in dataclasses.fields(changed):
+            value = getattr(changed, field.name)
+            if isinstance(value, (float, np.ndarray)) and np.isnan(value).any():
+                raise FloatingPointError(f'effect "{self.name}": {field.name} of the {type(record).__name__} is no number after act')
+        return cast(Stated, changed)
 
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:

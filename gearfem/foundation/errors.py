@@ -1,4 +1,4 @@
-"""The two ways in which gearfem fails: the input cannot be used, or a solve did not succeed."""
+"""How gearfem fails: the input cannot be used, an effect is not written as it must be, or a solve did not succeed."""
 
 from __future__ import annotations
 
@@ -41,6 +41,10 @@ class InputError(ValueError):
             A new error; one that names a file already keeps it.
         """
         return self if self.file else InputError(self.where, self.found, self.allowed, file)
+
+
+class EffectError(Exception):
+    """An effect whose own code fails; the message names it. Unlike a place without a model it is never passed over in a search."""
 
 
 class SolveError(RuntimeError):

@@ -20,6 +20,7 @@ from tests.unit.shell import MODEL, call, obey_interrupts
     ("error", "status", "line"),
     [
         (SolveError("no balance after\n60 steps"), 1, "error: no balance after 60 steps\n"),
+        (SolveError("no balance in \x1b[31mred\x1b[0m"), 1, "error: no balance in \\x1b[31mred\\x1b[0m\n"),
         (FloatingPointError("Engagement.force holds a value that is not finite"), 1, "error: Engagement.force holds"),
         (MemoryError("Unable to allocate 95 GiB"), 1, "error: not enough memory (Unable to allocate 95 GiB)"),
         (KeyboardInterrupt(), 130, "interrupted\n"),

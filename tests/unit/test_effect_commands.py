@@ -136,3 +136,39 @@ def test_files_and_classes_that_are_no_effects_are_refused(tmp_path):
         read_effects([], make_setup(PAIR), [twin])
     with pytest.raises(InputError, match="stage"):
         catalogue([type("Lost", (relief,), {"name": "lost", "stage": "nowhere"})])
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("return 1.0 / 0.0 * flanks", "ZeroDivisionError"),
+        ("flanks.no_such_thing()", "AttributeError"),
+        ("pass", "act returns None, no Instrument as it is given"),
+        ("return dataclasses.replace(flanks, gain=float('nan'))", "gain of the Instrument is no number"),
+    ],
+)
+def test_an_effect_of_ones_own_that_fails_is_named_in_one_line(tmp_path, code, words):
+    (tmp_path / "own.py").write_text(f"""import dataclasses
+from gearfem.effects.effect import Effect, parameter
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Deaf(Effect):
+    name = "deaf"
+    stage = "sensing"
+    repeats = "every tooth"
+    sentence = "The instrument hears {{share}}."
+    source = "none"
+    share: float = parameter("share", low=0.0, high=1.0, typical=0.5, neutral=0.0)
+
+    def act(self, flanks, setup):
+        {code}
+""")
+    (tmp_path / "model.toml").write_text(to_toml({**PAIR, "effect": [{"name": "deaf", "share": 0.5}]}))
+    words_of = ["run", str(tmp_path / "model.toml"), "--effects", str(tmp_path / "own.py"), "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(main, words_of)
+    (line,) = result.output.splitlines()
+    assert line.startswith('error: effect "deaf": ')
+    assert words in line
+    assert result.exit_code == (1 if "number" in words else 2)
+    assert not (tmp_path / "out").exists()

@@ -78,7 +78,7 @@ def missing_from(effect: Effect, setup: Setup) -> Deviation | None:
     pair = setup.pair
     designed = Flanks(pinion=Outline(gear=pair.pinion), wheel=Outline(gear=pair.wheel))
     try:
-        odd = effect.act(designed, setup).odd(effect.member)
+        odd = effect.acted(designed, setup).odd(effect.member)
     except InputError:
         return None
     return next((outline.deviation for outline in odd.values()), None)

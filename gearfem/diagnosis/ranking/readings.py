@@ -60,7 +60,7 @@ def likeliest_readings(view: View, start: Effect) -> list[Effect]:
     tried = _tried(view, start) if any(follows) else []
     if not tried:
         return spread_of(start, setup)
-    instruments = [effect.act(Instrument(), setup) for _, effect in tried]
+    instruments = [effect.acted(Instrument(), setup) for _, effect in tried]
     added = tuple(
         _added(view, record, instruments) if follow else np.zeros((len(record.axis), len(tried)))
         for record, follow in zip(problem.records, follows, strict=True)
