@@ -13,6 +13,7 @@ from gearfem.definition.resolve import EffectReader, resolve
 from gearfem.definition.setup import Setup
 from gearfem.definition.validate import shown, validate
 from gearfem.foundation import InputError, digest
+from gearfem.foundation.errors import not_utf8
 
 KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
@@ -61,7 +62,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
     except OSError as error:
         raise InputError("the file", (error.strerror or "an error").lower(), "a file that can be read", str(path)) from None
     except UnicodeDecodeError as error:
-        raise InputError(f"byte {error.start}", "a character that is not UTF-8", "TOML text in UTF-8", str(path)) from None
+        raise not_utf8(error, "TOML", str(path)) from None
     except (ValueError, RecursionError) as error:
         what, _, place = " ".join(str(error).split()).partition(" (at ")
         raise InputError(place.rstrip(")") or "the file", f"{what[:1].lower()}{what[1:]}", "TOML syntax", str(path)) from None

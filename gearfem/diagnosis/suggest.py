@@ -13,8 +13,9 @@ from gearfem.definition.setup import Member
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.marginal import marginal
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.modelling.columns import error_columns
-from gearfem.diagnosis.modelling.nuisances import BUILD, MOVING, SCALES, slopes
+from gearfem.diagnosis.modelling.columns import as_columns, error_columns
+from gearfem.diagnosis.modelling.model_form import error_slope
+from gearfem.diagnosis.modelling.nuisances import BUILD, MOVING, SCALES, slope
 from gearfem.diagnosis.modelling.system_bench import SystemBench
 from gearfem.diagnosis.reading.measurement import Measurement, make_record
 from gearfem.diagnosis.reading.periods import hunting_period
@@ -156,13 +157,15 @@ def _apart(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple[Effe
 
 def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBench, predicted: Array) -> Array:
     """Return what a constant, nuisances, errors of single teeth and of our own model do to a record, at one deviation each."""
-    own = {nuisance.name: place for place, nuisance in enumerate(problem.nuisances)}
+    own = problem.unknowns.place
     known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *BUILD, *MOVING) if nuisance.name not in own))
-    moved = np.array([fit.point.unknown[own[nuisance.name]] if nuisance.name in own else 0.0 for nuisance in known])
+    moved = [float(fit.point.unknown[own[nuisance.name]]) if nuisance.name in own else 0.0 for nuisance in known]
     constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)
-    errors = error_columns(record, bench, fit.settings, problem.unknowns.scatter, predicted, problem.unknowns.errors)
-    scales = slopes(record, bench, fit.settings, known, moved, predicted)
-    return np.concatenate([constant, scales, errors], axis=1)
+    variants, settings = problem.unknowns.errors, fit.settings
+    wrong = as_columns([error_slope(record, bench, settings, predicted, variants, place) for place in range(len(variants))], predicted)
+    errors = error_columns(record, bench, settings, problem.unknowns.scatter, predicted, variants, wrong)
+    scales = [slope(record, bench, settings, nuisance, stands, predicted) for nuisance, stands in zip(known, moved, strict=True)]
+    return np.concatenate([constant, as_columns(scales, predicted), errors], axis=1)
 
 
 # ---- what can be measured -------------------------------------------------------------------------------

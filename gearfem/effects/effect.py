@@ -8,8 +8,6 @@ import math
 from collections.abc import Callable
 from typing import Any, ClassVar, Literal, Self, TypeAlias, TypeVar, cast, get_args
 
-import numpy as np
-
 from gearfem.definition.setup import Member, Setup
 from gearfem.foundation import UNCOMPUTABLE, EffectError, InputError, Record
 from gearfem.foundation.units import factor
@@ -172,6 +170,8 @@ class Effect(Record, abc.ABC):
         """
         try:
             changed = self.act(record, setup)
+        except FloatingPointError as error:
+            raise FloatingPointError(f'effect "{self.name}": {error}') from None
         except UNCOMPUTABLE:
             raise
         except Exception as error:
@@ -179,9 +179,10 @@ class Effect(Record, abc.ABC):
         if not isinstance(changed, Record):
             raise EffectError(f'effect "{self.name}": act returns {changed!r:.40}, no {type(record).__name__} as it is given')
         for field in dataclasses.fields(changed):
+            # Arrays are looked at where a record is made.
             value = getattr(changed, field.name)
-            if isinstance(value, (float, np.ndarray)) and np.isnan(value).any():
-                raise FloatingPointError(f'effect "{self.name}": {field.name} of the {type(record).__name__} is no number after act')
+            if isinstance(value, float) and math.isnan(value):
+                raise FloatingPointError(f'effect "{self.name}": {field.name} of the {type(record).__name__} is no number')
         return cast(Stated, changed)
 
     @classmethod

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearfem.foundation.errors import InputError
+from gearfem.foundation.errors import InputError, not_utf8
 from gearfem.foundation.record import Array, Record
 
 # Longer than any measured series of a gear; beyond it a wrong file is likelier than a long one.
@@ -86,7 +86,7 @@ def _lines(path: str | Path) -> list[str]:
     except OSError as error:
         raise InputError("file", (error.strerror or "an error").lower(), "a CSV file that can be read", str(path)) from None
     except UnicodeDecodeError as error:
-        raise InputError(f"byte {error.start}", "a character that is not UTF-8", "CSV text in UTF-8", str(path)) from None
+        raise not_utf8(error, "CSV", str(path)) from None
 
 
 def _fields(line: str, where: str, file: str) -> list[str]:

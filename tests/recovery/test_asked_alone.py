@@ -9,7 +9,7 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.diagnose import _opened
-from gearfem.diagnosis.naming.name import _one
+from gearfem.diagnosis.naming.joined import _one
 from gearfem.diagnosis.naming.naming import Naming, Rival
 from gearfem.diagnosis.proving.held_out import asked_alone
 from gearfem.diagnosis.proving.prove import prove

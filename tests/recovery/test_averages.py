@@ -39,8 +39,10 @@ from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.bench import neutral
 from gearfem.diagnosis.modelling.teeth import Scatter
 from gearfem.diagnosis.naming.gap import gap_left
-from gearfem.diagnosis.naming.name import _by_rows, _joined, _of_means, _scores_by_rows, _told_apart, _verdict
+from gearfem.diagnosis.naming.joined import joined, verdict_of_both
+from gearfem.diagnosis.naming.name import _by_rows, _of_means
 from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict
+from gearfem.diagnosis.naming.told_apart import _scores_by_rows, told_apart
 from gearfem.diagnosis.naming.verdict import explains
 from gearfem.diagnosis.reading.noise import measure_noise
 from gearfem.diagnosis.reading.quantities import QUANTITIES
@@ -137,9 +139,9 @@ def test_nuisances_alone_are_those_that_the_search_has_found(scattered: Comparis
     mean = averaged(problem, settings)
     first = mean.fit((), mean.prepare((), mean.unknowns.of(settings)), rounds=0)
     _, single = teeth_under(problem, settings, ())
-    monkeypatch.setattr(sys.modules["gearfem.diagnosis.naming.name"], "_one", lambda first, second, alone, fit, *words: (alone, fit))
+    monkeypatch.setattr(sys.modules[joined.__module__], "_one", lambda first, second, alone, fit, *words: (alone, fit))
     namings = (cast(Naming, SimpleNamespace(alone=one, fit=one)) for one in (first, single))
-    found = cast(tuple[Fit, Fit], _joined(problem, alone, *namings))
+    found = cast(tuple[Fit, Fit], joined(problem, alone, *namings))
     expected = settings if scale > 1.1 else alone.settings
     assert [fit.settings.stiffness_scale for fit in found] == pytest.approx([expected.stiffness_scale] * 2, rel=1e-9, abs=0.0)
 
@@ -243,7 +245,7 @@ def test_single_teeth_need_no_largest_kw(scattered: Comparison) -> None:
     ],
 )
 def test_the_verdict_is_that_on_means_and_on_single_teeth_together(means: Verdict, teeth: Verdict, left: float, verdict: Verdict) -> None:
-    assert _verdict(means, teeth, left) == verdict
+    assert verdict_of_both(means, teeth, left) == verdict
 
 
 def test_nothing_is_named_beside_a_wave_that_no_effect_stands_for(found: Diagnosis, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -256,7 +258,7 @@ def test_nothing_is_named_beside_a_wave_that_no_effect_stands_for(found: Diagnos
     monkeypatch.setattr(module, "_of_means_anew", lambda problem, first, second, progress: first)
     for wavy, verdict in ((True, "unexplained"), (False, "ambiguous")):
         monkeypatch.setattr(module, "_of_teeth", lambda *args, wavy=wavy: (second, wavy))
-        monkeypatch.setattr(module, "whole", lambda *args: first.fit)
+        monkeypatch.setattr(sys.modules[joined.__module__], "whole", lambda *args: first.fit)
         naming = name(problem, first.alone, {})
         assert naming.verdict == verdict
         assert bool(naming.fit.effects) != wavy
@@ -277,7 +279,7 @@ def test_means_are_asked_again_under_a_tooth_that_gains_much_and_is_no_name_yet(
             "_of_teeth",
             lambda problem, fit, kinds, progress, before=None, unnamed=unnamed: (unnamed if before is None else named, False),
         )
-        monkeypatch.setattr(module, "whole", lambda *args: named.fit)
+        monkeypatch.setattr(sys.modules[joined.__module__], "whole", lambda *args: named.fit)
         assert name(problem, alone, {}).verdict == verdict
 
 
@@ -311,26 +313,25 @@ def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaig
         sentence="",
         reasons=(),
     )
-    told = _told_apart(problem, mean, naming, quiet)
+    told = told_apart(problem, mean, naming, quiet)
     assert told.fit is right
     assert told.p_values == (0.5,)
     assert told.verdict == explains(told.closed, (gap_left(bare, mean), told.left))
     (lost,) = told.rivals
     assert not lost.near
     assert lost.score_difference > 100.0
-    assert _told_apart(problem, mean, dataclasses.replace(naming, verdict="explained"), quiet).fit is wrong
+    assert told_apart(problem, mean, dataclasses.replace(naming, verdict="explained"), quiet).fit is wrong
 
 
 def test_by_rows_no_explanation_is_better_by_where_its_fit_began(monkeypatch: pytest.MonkeyPatch) -> None:
     """Places are numbers here: 0 is where the model has all nuisances, and the wheel leaves least from where the pinion ends."""
-    module = sys.modules[name.__module__]
     leaves = {("pinion", 1.0): 120.0, ("pinion", 0.0): 150.0, ("wheel", 2.0): 250.0, ("wheel", 0.0): 130.0, ("wheel", 3.0): 104.0}
 
     def fitted(rows: object, effects: tuple[TipRelief, ...], place: float) -> SimpleNamespace:
         (effect,) = effects
         return SimpleNamespace(effects=effects, objective=leaves[effect.gear, place], point=SimpleNamespace(stood=3.0 if place else 4.0))
 
-    monkeypatch.setattr(module, "again", fitted)
+    monkeypatch.setattr(sys.modules[told_apart.__module__], "attempt", fitted)
     rows = cast(Problem, SimpleNamespace(unknowns=SimpleNamespace(of=lambda settings: settings, neutral=lambda place: 0.0)))
     pinion, wheel = (
         Rival(

@@ -54,11 +54,11 @@ def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alon
     def point(unknown: float, at: float) -> Any:
         return SimpleNamespace(unknown=unknown, stood=at)
 
-    def again(problem: object, effects: tuple[str, ...], place: float, **_: float) -> Any:
+    def attempt(problem: object, effects: tuple[str, ...], place: float, **_: float) -> Any:
         tried.append(place)
         return SimpleNamespace(effects=effects, objective=leaves[place], point=point(place, place))
 
-    monkeypatch.setattr(module, "again", again)
+    monkeypatch.setattr(module, "attempt", attempt)
     monkeypatch.setattr(module, "near_by", lambda problem, fit: False)
     monkeypatch.setattr(module, "counted", lambda work, items, *_: map(work, items))
     monkeypatch.setattr(module, "label", lambda effects: effects)
@@ -131,7 +131,7 @@ def test_what_is_named_of_single_teeth_is_asked_again_beside_what_is_named_of_al
         "_of_all": lambda problem, first, single, *_: step(f"means beside {single.effects[0]}", means_beside),
         "_of_means_anew": lambda *_: step("means again", means),
         "left_open": lambda problem, untold, found: found,
-        "_joined": lambda problem, alone, first, second: (first.fit.effects, second.fit.effects),
+        "joined": lambda problem, alone, first, second: (first.fit.effects, second.fit.effects),
     }.items():
         monkeypatch.setattr(module, word, stub)
     found = name(cast(Problem, SimpleNamespace()), cast(Fit, SimpleNamespace(settings=None)), {})

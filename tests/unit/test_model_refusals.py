@@ -227,7 +227,7 @@ FILES = {
     "syntax": (b"[pair]\nmodule_mm 8\n", "line 2, column 11", "TOML syntax"),
     "open end": (b"name = 'a", "", "TOML syntax"),
     "key twice": (b"name = 'a'\nname = 'b'\n", "line 2", "TOML syntax"),
-    "not UTF-8": (b"name = '\xff'\n", "byte 8", "UTF-8"),
+    "not UTF-8": (b"# \nname = '\xff'\n", "line 2: found the byte 0xff", "UTF-8"),
     "empty": (b"", "pair", "must be given"),
     "NaN": (b"[pair]\nmodule_mm = nan\n", "pair.module_mm", "a number"),
 }

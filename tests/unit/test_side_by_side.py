@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from threadpoolctl import threadpool_info
 
-from gearfem.diagnosis.fitting.side_by_side import side_by_side
 from gearfem.foundation import InputError
+from gearfem.foundation.side_by_side import side_by_side
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
 FORKS = pytest.mark.skipif(CORES < 2 or "fork" not in multiprocessing.get_all_start_methods(), reason="works on one core here")

@@ -18,7 +18,7 @@ from gearfem.diagnosis.comparing.comparison import Compared, Comparison, Shift
 from gearfem.diagnosis.comparing.erratic import marked
 from gearfem.diagnosis.comparing.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.fitting.approach import at_rest, fit_from, lost, part_of, tuned
-from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.fit import Fit, again, attempt
 from gearfem.diagnosis.fitting.problem import BenchOf, Problem
 from gearfem.diagnosis.fitting.score import PARAMETER, stays
 from gearfem.diagnosis.modelling.bench import Settings, neutral
@@ -164,10 +164,8 @@ def _of_means(mean: Problem, level: Settings) -> Fit:
     alone = again(mean, (), met)
     if not lost(mean, alone) and stays(mean, alone):
         return alone
-    with contextlib.suppress(*UNCOMPUTABLE):
-        other = again(copy.copy(mean), (), mean.unknowns.neutral(alone.point.unknown))
-        return min(alone, other, key=lambda fit: fit.objective)
-    return alone
+    other = attempt(mean, (), mean.unknowns.neutral(alone.point.unknown))
+    return alone if other is None else min(alone, other, key=lambda fit: fit.objective)
 
 
 def _zero(problem: Problem, progress: Progress) -> float:
@@ -176,7 +174,7 @@ def _zero(problem: Problem, progress: Progress) -> float:
     What is missing from all flanks moves the mesh lines by up to half a pitch. Where wear of either gear leaves less from there, though it
     pays for its parameters, the zero is the one under wear: index errors, free in these fits, would be wrong under another one.
     """
-    if not any(nuisance.name == "angle_offset" for nuisance in problem.nuisances):
+    if "angle_offset" not in problem.unknowns.place:
         return 0.0
     setup, over = problem.campaign.setup, [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle"]
     few = part_of(problem, [i for i in over if not problem.records[i].quantity.moving] or over)

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import contextlib
-import copy
 import dataclasses
 import itertools
 from collections.abc import Sequence
 
-from gearfem.diagnosis.fitting.fit import ROUNDS, Fit, again
+from gearfem.diagnosis.fitting.fit import ROUNDS, Fit, attempt
 from gearfem.diagnosis.fitting.point import Point
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.side_by_side import side_by_side
 from gearfem.diagnosis.modelling.bench import Settings
 from gearfem.diagnosis.modelling.unknowns import unknowns_of
 from gearfem.diagnosis.modelling.zero import guess_zero
 from gearfem.effects.effect import Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
+from gearfem.foundation.side_by_side import side_by_side
 
 # Tip edges to start from, of the model's, and how far contact over them is that of flanks; compliance in series and damping to start from,
 # in prior deviations.
@@ -70,12 +69,7 @@ def at_rest(problem: Problem, level: Settings) -> Settings:
     part = part_of(problem, slow)
     starts = [part.unknowns.of(dataclasses.replace(level, tip_edge_scale=edge, evenness=evenness)) for edge, evenness in EDGES]
 
-    def one(unknown: Array) -> Fit | None:
-        with contextlib.suppress(*UNCOMPUTABLE):
-            return again(copy.copy(part), (), unknown, TIMES)
-        return None
-
-    found = [fit for fit in side_by_side(one, starts) if fit is not None]
+    found = [fit for fit in side_by_side(lambda unknown: attempt(part, (), unknown, TIMES), starts) if fit is not None]
     return min(found, key=lambda fit: fit.objective).settings if found else level
 
 
@@ -84,10 +78,10 @@ def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) ->
 
     The misfit of a resonance has a minimum wherever one of its lines meets one of the record's: no descent leaves a wrong one.
     """
-    names = [nuisance.name for nuisance in problem.nuisances]
-    if not {"series_compliance", "damping_scale"} <= set(names):
+    place = problem.unknowns.place
+    if not {"series_compliance", "damping_scale"} <= set(place):
         return unknown
-    places = [names.index("series_compliance"), names.index("damping_scale")]
+    places = [place["series_compliance"], place["damping_scale"]]
 
     def one(moved: tuple[float, float]) -> Point | None:
         tried = unknown.copy()
@@ -106,12 +100,11 @@ def unwound(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> li
 
     Effects that change all flanks much do: the zero that suited the records without them is a pitch or half of one off.
     """
-    names = [nuisance.name for nuisance in problem.nuisances]
+    place = problem.unknowns.place.get("angle_offset")
     moves = any(effect.repeats == "every tooth" and effect.stage in ("flank", "placement") for effect in effects)
     over = [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle" and not record.quantity.moving]
-    if not (moves and over and "angle_offset" in names):
+    if not (moves and over) or place is None:
         return []
-    place = names.index("angle_offset")
     try:
         for effect in effects:
             effect.check(problem.campaign.setup)

@@ -200,6 +200,13 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
     return dataclasses.replace(found, deviations=_to_a_factor(found, best.effects, problem.campaign.setup))
 
 
+def attempt(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: int = AGAIN, hopeless: float = np.inf) -> Fit | None:
+    """Return what `again` finds, the problem itself left as it is; None where the model cannot be computed."""
+    with contextlib.suppress(*UNCOMPUTABLE):
+        return again(copy.copy(problem), effects, unknown, times, hopeless)
+    return None
+
+
 def _ended(problem: Problem, point: Point, attained: float) -> Fit:
     """Return the fit that ends at a point, where there is a model."""
     if not math.isfinite(problem.left_at(point.effects, point.unknown)):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from gearfem.foundation import UNCOMPUTABLE, Array
 
 
@@ -26,3 +28,18 @@ def one_sided(quotient: Callable[[float], Array], step: float) -> Array:
         return quotient(step)
     except UNCOMPUTABLE:
         return quotient(-step)
+
+
+def two_sided(quotient: Callable[[float], Array], step: float) -> Array:
+    """Return the mean of quotients of differences by a step either way, or the one that can be computed.
+
+    Parameters and errors as those of `one_sided`.
+    """
+    try:
+        ahead = quotient(step)
+    except UNCOMPUTABLE:
+        return quotient(-step)
+    try:
+        return np.asarray(0.5 * (ahead + quotient(-step)))
+    except UNCOMPUTABLE:
+        return ahead

@@ -24,10 +24,8 @@ COMMON_FORM, SHAPE = 0.1 * UM, 0.1
 STEP = 0.02
 
 
-def model_form(
-    record: Measurement, bench: SystemBench, settings: Settings, here: Array, teeth: Array, scatter: Scatter, errors: tuple[Variant, ...]
-) -> Array:
-    """Return what our own errors would do to a record, at one standard deviation.
+def error_slope(record: Measurement, bench: SystemBench, settings: Settings, here: Array, errors: tuple[Variant, ...], place: int) -> Array:
+    """Return the derivative of a record over an error of the model, at one standard deviation [SI], shape (n,).
 
     Parameters
     ----------
@@ -39,33 +37,23 @@ def model_form(
         Where it stands.
     here : ndarray, shape (n,)
         What it predicts there.
-    teeth : ndarray, shape (n, (z1 + z2) (terms + 1))
-        From `tooth_columns`.
-    scatter : Scatter
-        Terms of the form of a flank.
     errors : tuple of Variant
         Those that are unknown, the first ones of the bench's.
+    place : int
+        Which of them.
 
-    Returns
-    -------
-    ndarray, shape (n, v + 2 terms)
-        Derivatives over the errors of the model, then the form errors that all teeth of the pinion, and of the wheel, share.
+    Raises
+    ------
+    InputError, SolveError, FloatingPointError
+        If it cannot be computed on either side.
     """
-    return np.column_stack([_wrong(record, bench, settings, here, errors), _common(teeth, bench, scatter)])
-
-
-def _wrong(record: Measurement, bench: SystemBench, settings: Settings, here: Array, errors: tuple[Variant, ...]) -> Array:
-    """Return the derivatives of a record over the errors of the model, shape (n, v)."""
-    out = np.zeros((len(record.axis), len(errors)))
     moved = settings.errors or (0.0,) * len(errors)
-    for place, variant in enumerate(errors):
 
-        def quotient(step: float, place: int = place) -> Array:
-            ahead = (*moved[:place], moved[place] + step, *moved[place + 1 :])
-            return (bench.predict(record, dataclasses.replace(settings, errors=ahead)) - here) / step
+    def quotient(step: float) -> Array:
+        ahead = (*moved[:place], moved[place] + step, *moved[place + 1 :])
+        return (bench.predict(record, dataclasses.replace(settings, errors=ahead)) - here) / step
 
-        out[:, place] = one_sided(quotient, STEP if moved[place] + STEP <= variant.most else -STEP)
-    return out
+    return one_sided(quotient, STEP if moved[place] + STEP <= errors[place].most else -STEP)
 
 
 def form_errors(bench: SystemBench) -> tuple[float, float]:
@@ -74,8 +62,22 @@ def form_errors(bench: SystemBench) -> tuple[float, float]:
     return pinion, wheel
 
 
-def _common(teeth: Array, bench: SystemBench, scatter: Scatter) -> Array:
-    """Return the columns of form errors common to all teeth of either gear, shape (n, 2 terms)."""
+def common_forms(teeth: Array, bench: SystemBench, scatter: Scatter) -> Array:
+    """Return what form errors that all teeth of the pinion, and of the wheel, share do to a record, at one standard deviation.
+
+    Parameters
+    ----------
+    teeth : ndarray, shape (n, (z1 + z2) (terms + 1))
+        From `tooth_columns`.
+    bench : SystemBench
+        The model.
+    scatter : Scatter
+        Terms of the form of a flank.
+
+    Returns
+    -------
+    ndarray, shape (n, 2 terms)
+    """
     first = scatter.counts(bench.pair)[0]
     waves = teeth.reshape(len(teeth), -1, scatter.terms + 1)[:, :, 1:]
     pinion, wheel = (size * scatter.shapes() for size in form_errors(bench))

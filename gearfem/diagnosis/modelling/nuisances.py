@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from gearfem.diagnosis.modelling.bench import Bench, Settings
+from gearfem.diagnosis.modelling.differences import one_sided, two_sided
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.effects.damping import Damping
 from gearfem.effects.effect import Effect
 from gearfem.effects.sensor_gain import SensorGain
-from gearfem.foundation import UNCOMPUTABLE, Array, Record
+from gearfem.foundation import Array, Record
 from gearfem.sensing import System
 from gearfem.variants import just
 
@@ -158,8 +159,8 @@ def moved_settings(settings: Settings, nuisances: tuple[Nuisance, ...], moved: A
     return dataclasses.replace(settings, **changes)
 
 
-def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tuple[Nuisance, ...], moved: Array, here: Array) -> Array:
-    """Return the derivatives of a record over nuisances in prior deviations, shape (n, number of them).
+def slope(record: Measurement, bench: Bench, settings: Settings, nuisance: Nuisance, stands: float, here: Array) -> Array:
+    """Return the derivative of a record over a nuisance in prior deviations, shape (n,).
 
     Parameters
     ----------
@@ -168,51 +169,33 @@ def slopes(record: Measurement, bench: Bench, settings: Settings, nuisances: tup
     bench : Bench
         The model.
     settings : Settings
-        Where it stands, the nuisances included.
-    nuisances : tuple of Nuisance
-        Which ones.
-    moved : ndarray, shape (number of them,)
-        Where they stand, in prior deviations.
+        Where it stands, the nuisance included.
+    nuisance : Nuisance
+        Which one.
+    stands : float
+        Where that stands, in prior deviations.
     here : ndarray, shape (n,)
         What the model predicts there.
+
+    Raises
+    ------
+    InputError, SolveError, FloatingPointError
+        If it cannot be computed on either side.
     """
-    out = np.zeros((len(record.axis), len(nuisances)))
-    if record.quantity.of_gear:
-        return out
+    quantity = record.quantity
+    # Kw is the largest value of a whole turn, wherever that begins.
+    still = nuisance in MOVING or (nuisance.name == "series_compliance" and quantity.free_constant)
+    blind = (still and not quantity.moving) or (nuisance.name == "angle_offset" and quantity.axis != "angle")
+    if quantity.of_gear or blind:
+        return np.zeros(len(record.axis))
+    if nuisance.name == "gain" and quantity.axis == "angle":
+        return nuisance.prior * here
+
+    def quotient(step: float) -> Array:
+        changes: dict[str, Any] = {nuisance.name: nuisance.value(stands + step)}
+        return (bench.predict(record, dataclasses.replace(settings, **changes)) - here) / step
+
     # Motions cost a hundred times what slow records do, and another build new tables: forward differences there,
     # whose error is a step's share of the curvature.
-    moving = record.quantity.moving
-    for place, nuisance in enumerate(nuisances):
-        # Kw is the largest value of a whole turn, wherever that begins.
-        still = nuisance in MOVING or (nuisance.name == "series_compliance" and record.quantity.free_constant)
-        if (still and not moving) or (nuisance.name == "angle_offset" and record.quantity.axis != "angle"):
-            continue
-        if nuisance.name == "gain" and record.quantity.axis == "angle":
-            out[:, place] = nuisance.prior * here
-            continue
-        out[:, place] = _slope(record, bench, settings, nuisance, float(moved[place]), here, once=moving or nuisance in BUILD)
-    return out
-
-
-def _slope(record: Measurement, bench: Bench, settings: Settings, nuisance: Nuisance, stands: float, here: Array, *, once: bool) -> Array:
-    """Return the derivative over one nuisance, shape (n,): by a step ahead, and one back but for `once` or where that cannot be computed.
-
-    Raises what the model does if neither side can be.
-    """
-    found: list[Array] = []
-    for step in (nuisance.step, -nuisance.step):
-        try:
-            ahead = bench.predict(record, _moved(settings, nuisance, stands + step))
-        except UNCOMPUTABLE:
-            if step < 0.0 and not found:
-                raise
-            continue
-        found.append((ahead - here) / step)
-        if once:
-            break
-    return np.asarray(np.mean(found, axis=0))
-
-
-def _moved(settings: Settings, nuisance: Nuisance, moved: float) -> Settings:
-    changes: dict[str, Any] = {nuisance.name: nuisance.value(moved)}
-    return dataclasses.replace(settings, **changes)
+    difference = one_sided if quantity.moving or nuisance in BUILD else two_sided
+    return difference(quotient, nuisance.step)

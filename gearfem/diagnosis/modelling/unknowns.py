@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
 
@@ -57,6 +58,11 @@ class Unknowns(Record):
     def outer(self) -> int:
         """Number of the nuisances that are not linear."""
         return len(self.nuisances)
+
+    @cached_property
+    def place(self) -> Mapping[str, int]:
+        """Places of the outer nuisances by their names."""
+        return {nuisance.name: place for place, nuisance in enumerate(self.nuisances)}
 
     @property
     def first_tooth(self) -> int:

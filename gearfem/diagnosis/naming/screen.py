@@ -9,15 +9,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from gearfem.diagnosis.fitting.approach import EDGES, lost, part_of, tuned, unwound
-from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.fit import Fit, attempt
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.side_by_side import counted
 from gearfem.diagnosis.fitting.straying import beyond
 from gearfem.diagnosis.ranking.candidate import Candidate
 from gearfem.diagnosis.ranking.shapes import bounded, shapes_of, stands
 from gearfem.effects.effect import Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress
+from gearfem.foundation.side_by_side import counted
 
 # Rounds in which each effect is looked at, how many are worth a fit to all records, and times that the slow records are prepared anew for
 # each of these.
@@ -66,10 +66,7 @@ def screened(problem: Problem, alone: Fit, candidates: Sequence[Candidate], prog
             return None
 
     def fitted(fit: Fit) -> Fit:
-        try:
-            return again(copy.copy(part), fit.effects, fit.point.stood, TIMES)
-        except UNCOMPUTABLE:
-            return fit
+        return attempt(part, fit.effects, fit.point.stood, TIMES) or fit
 
     found = [fit for fit in counted(looked_at, jobs, progress, "effects in the place of nuisances") if fit is not None]
     first = sorted(found, key=lambda fit: fit.objective)[:MOST]

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import contextlib
-import copy
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeAlias
 
 from gearfem.diagnosis.fitting.approach import lost, moves_otherwise, unwound
-from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.fit import Fit, attempt
 from gearfem.diagnosis.fitting.parameters import faint, overdone
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import Label, label, near_by, score
-from gearfem.diagnosis.fitting.side_by_side import counted
 from gearfem.diagnosis.fitting.straying import STRAYED
 from gearfem.diagnosis.naming.mimic import mimicked
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.side_by_side import counted
 
 # A further name must gain this share of what the first ones did where it acts as one of them does: less is the difference between their
 # shapes and the real ones, which other effects do not imitate as well.
@@ -65,11 +63,11 @@ class Search:
         worth, further = 0.5 * (self.alone.objective + best), base.objective - LITTLE * self.further_least()
 
         def one(start: Start) -> Fit | None:
-            hopeless = further if base.effects and len(start[0]) > len(base.effects) else worth
+            effects, own = start
+            hopeless = further if base.effects and len(effects) > len(base.effects) else worth
+            if own is not None and moves_otherwise(self.problem, base, effects):
+                return attempt(self.problem, effects, own, hopeless=hopeless)
             try:
-                effects, own = start
-                if own is not None and moves_otherwise(self.problem, base, effects):
-                    return again(copy.copy(self.problem), effects, own, hopeless=hopeless)
                 return self.problem.fit(effects, self.start(start, base), hopeless=hopeless)
             except UNCOMPUTABLE:
                 return None
@@ -97,31 +95,22 @@ class Search:
         bare = self.alone.point.stood
 
         def one(fit: Fit) -> Fit:
-            found = fit
-            with contextlib.suppress(*UNCOMPUTABLE):
-                found = again(copy.copy(self.problem), fit.effects, fit.point.stood)
-                if near_by(self.problem, found):
-                    return found
-                starts = [self.problem.unknowns.neutral(fit.point.unknown)]
-                if fit.effects and found.objective > fit.objective + self.problem.wander:
-                    starts.append(bare)
-                for start in starts:
-                    other = again(copy.copy(self.problem), fit.effects, start, hopeless=found.objective)
-                    found = min(found, other, key=self.score)
+            found = attempt(self.problem, fit.effects, fit.point.stood)
+            if found is None or near_by(self.problem, found):
+                return found or fit
+            starts = [self.problem.unknowns.neutral(fit.point.unknown)]
+            if fit.effects and found.objective > fit.objective + self.problem.wander:
+                starts.append(bare)
+            for start in starts:
+                other = attempt(self.problem, fit.effects, start, hopeless=found.objective)
+                found = found if other is None else min(found, other, key=self.score)
             return found
 
         self._renew(one, fits, progress, words)
 
     def settle_from(self, starts: Sequence[tuple[tuple[Effect, ...], Array]], progress: Progress, words: str) -> None:
         """Fit explanations that begin far from the nuisances alone, each prepared where it begins; the better one of a kind stays."""
-
-        def one(start: tuple[tuple[Effect, ...], Array]) -> Fit | None:
-            try:
-                return again(copy.copy(self.problem), *start)
-            except UNCOMPUTABLE:
-                return None
-
-        for found in counted(one, starts, progress, words):
+        for found in counted(lambda start: attempt(self.problem, *start), starts, progress, words):
             self._keep(found)
 
     def instead(self, progress: Progress) -> bool:
@@ -154,11 +143,8 @@ class Search:
         others = [fit for fit in self.fits.values() if fit is not best]
 
         def one(fit: Fit) -> Fit:
-            try:
-                found = again(copy.copy(self.problem), fit.effects, best.point.stood, hopeless=fit.objective)
-            except UNCOMPUTABLE:
-                return fit
-            return min(fit, found, key=self.score)
+            found = attempt(self.problem, fit.effects, best.point.stood, hopeless=fit.objective)
+            return fit if found is None else min(fit, found, key=self.score)
 
         self._renew(one, others, progress, "rivals from where the best stands")
 

@@ -13,9 +13,8 @@ import numpy as np
 
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.fitting.approach import lost, moves_otherwise, unwound
-from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.fit import Fit, attempt
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.fitting.side_by_side import counted
 from gearfem.diagnosis.ranking.candidate import Candidate, View, candidate_of, scored, view_of
 from gearfem.diagnosis.ranking.likely_teeth import late_tooth, starts_of
 from gearfem.diagnosis.ranking.readings import likeliest_readings
@@ -24,6 +23,7 @@ from gearfem.diagnosis.ranking.turning import turned, turns
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.side_by_side import counted
 
 # Rounds in which the strength of a candidate is improved, unless it promises less than this anyway.
 REFINED, WORTH = 2, 5.0
@@ -223,9 +223,9 @@ def _prepared(view: View, starts: list[Start]) -> list[Fit]:
             begun.append(here.fit(effects, here.prepare(effects, unknown), BEGUN, view.base.objective))
     found: list[Fit] = []
     for fit in sorted(begun, key=lambda fit: fit.objective)[:LED]:
-        with contextlib.suppress(*UNCOMPUTABLE):
-            least = min((fit.objective for fit in found), default=view.base.objective)
-            found.append(again(copy.copy(view.problem), fit.effects, fit.point.stood, hopeless=least))
+        least = min((fit.objective for fit in found), default=view.base.objective)
+        ended = attempt(view.problem, fit.effects, fit.point.stood, hopeless=least)
+        found += [] if ended is None else [ended]
     return found
 
 
