@@ -13,7 +13,8 @@ import pytest
 
 from gearfem.diagnosis import read_campaign
 from gearfem.diagnosis.fitting import parameters
-from gearfem.diagnosis.fitting.fit import _eased, _to_a_factor, again
+from gearfem.diagnosis.fitting.eased import eased, to_a_factor
+from gearfem.diagnosis.fitting.fit import again
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.bench import neutral
 from gearfem.diagnosis.reading.campaign import Campaign
@@ -99,7 +100,7 @@ def test_nothing_speaks_for_the_deepest_pit_if_a_shallower_one_does_as_much(camp
     bound = parameters.at_bounds((deepest,), problem.campaign.setup)
     assert bound == (((0, "depth"),) if depth == 300.0 else ())
     stood: Any = problem.at((deepest,), np.zeros(3), np.ones(2))
-    point, attained = _eased(problem, stood, 100.0)
+    point, attained = eased(problem, stood, 100.0)
     assert point.effects[0].depth == pytest.approx(ends * UM, rel=1e-12, abs=0.0)  # type: ignore[attr-defined]
     assert attained == 100.0
 
@@ -110,7 +111,7 @@ def test_a_depth_that_was_halved_is_known_to_a_factor_of_two(campaign: Path) -> 
     after, setup = dataclasses.replace(before, depth=145.0 * UM), read_campaign(campaign).setup
     known = {"depth": 5.0 * UM, "centre": 0.2 * MM, "width": 0.1 * MM}
     fit: Any = SimpleNamespace(effects=(after, before), deviations=(known, known))
-    halved, stood = _to_a_factor(fit, (before, before), setup)
+    halved, stood = to_a_factor(fit, (before, before), setup)
     assert halved == known | {"depth": pytest.approx(0.33 * 145.0 * UM, rel=1e-12, abs=0.0)}
     assert stood == known
     assert not parameters.faint(after, halved, setup)

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from gearfem.definition.setup import Setup
 from gearfem.diagnosis.fitting import parameters
+from gearfem.diagnosis.fitting.eased import eased, to_a_factor
 from gearfem.diagnosis.fitting.marginal import WEIGHED
 from gearfem.diagnosis.fitting.point import Point
 from gearfem.diagnosis.fitting.straying import halves
@@ -39,10 +39,6 @@ DIFFERENCE, READ = 0.003, 0.0001
 ALONG = "mm"
 # Times that a fit is prepared anew at most, rounds of each, and times in a row that it may gain little.
 AGAIN, NEARBY, WORSE = 8, 2, 2
-# Halvings at most of a strength that ended at its bound, and what they may cost of what its effect explains, whose shape is no better.
-HALVED, LITTLE = 5, SHAPE**2
-# Standard deviation of what is known to a factor of two, in parts of it.
-FACTOR = 0.33
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -193,11 +189,11 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
             if worse == WORSE:
                 break
     problem.__dict__.update(there.__dict__)
-    eased, least = _eased(problem, best, least)
-    found = _ended(problem, eased, least)
-    if eased is best:
+    moved, least = eased(problem, best, least)
+    found = _ended(problem, moved, least)
+    if moved is best:
         return found
-    return dataclasses.replace(found, deviations=_to_a_factor(found, best.effects, problem.campaign.setup))
+    return dataclasses.replace(found, deviations=to_a_factor(found, best.effects, problem.campaign.setup))
 
 
 def attempt(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: int = AGAIN, hopeless: float = np.inf) -> Fit | None:
@@ -213,49 +209,6 @@ def _ended(problem: Problem, point: Point, attained: float) -> Fit:
         # As if all were linear it would end where there is none.
         point = problem.still(point)
     return _standing(problem, point, attained, jacobian(problem, point))
-
-
-def _eased(problem: Problem, point: Point, attained: float) -> tuple[Point, float]:
-    """Return a point that attains so much with strengths halved while that costs little of what their effect explains, and what it attains.
-
-    Those at a bound, and those of single teeth: half of what acts in proportion costs a quarter. A pit that takes all load off its part of
-    a flank does nothing more if it is deeper: nothing speaks for the deepest one.
-    """
-    setup = problem.campaign.setup
-    for number, field in dict.fromkeys((*parameters.at_bounds(point.effects, setup), *_of_single_teeth(point.effects))):
-        before, after = point.effects[:number], point.effects[number + 1 :]
-        if field not in point.effects[number].strengths() or point.effects[number].parameters()[field].reciprocal:
-            continue
-        # What cannot be computed with less of it stays as it is.
-        with contextlib.suppress(*UNCOMPUTABLE):
-            without = problem.attained(problem.at((*before, *after), point.stood, point.weights))
-            most = attained + max(SETTLED, LITTLE * (without - attained))
-            for _ in range(HALVED):
-                effect = point.effects[number]
-                rest = effect.parameters()[field].at_rest(setup, effect.member)
-                eased = dataclasses.replace(effect, **{field: 0.5 * (getattr(effect, field) + rest)})
-                ahead = problem.at((*before, eased, *after), point.stood, point.weights)
-                left = problem.attained(ahead)
-                if left > most:
-                    break
-                point, attained = ahead, left
-    return point, attained
-
-
-def _to_a_factor(fit: Fit, before: tuple[Effect, ...], setup: Setup) -> tuple[dict[str, float], ...]:
-    """Return the deviations of a fit, with those of strengths that were halved since: known to a factor of two."""
-    found = []
-    for effect, one, known in zip(fit.effects, before, fit.deviations, strict=True):
-        halved = {field: far for field, far in parameters.strengths(effect, setup).items() if getattr(effect, field) != getattr(one, field)}
-        found.append(known | {field: max(known[field], FACTOR * far) for field, far in halved.items()})
-    return tuple(found)
-
-
-def _of_single_teeth(effects: tuple[Effect, ...]) -> Iterator[tuple[int, str]]:
-    """Yield the strengths of single teeth: number of the effect and field."""
-    for number, effect in enumerate(effects):
-        if effect.repeats == "one tooth":
-            yield from ((number, field) for field in effect.strengths())
 
 
 def _little(objective: float) -> float:

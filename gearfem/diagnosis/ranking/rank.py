@@ -215,18 +215,22 @@ def _fits(problem: Problem, starts: list[Start], rounds: int, hopeless: float = 
 
 
 def _prepared(view: View, starts: list[Start]) -> list[Fit]:
-    """Return fits with columns taken under their effects: of those that lead lowest in a few rounds, unless they end above the first."""
+    """Return fits with columns taken under their effects: of those that lead lowest in a few rounds, below the fit that they build on.
+
+    None goes on that stands above where one before it has ended; where none goes on the lowest stands as it began.
+    """
     begun: list[Fit] = []
     for effects, unknown in starts:
         with contextlib.suppress(*UNCOMPUTABLE):
             here = copy.copy(view.problem)
             begun.append(here.fit(effects, here.prepare(effects, unknown), BEGUN, view.base.objective))
-    found: list[Fit] = []
-    for fit in sorted(begun, key=lambda fit: fit.objective)[:LED]:
-        least = min((fit.objective for fit in found), default=view.base.objective)
-        ended = attempt(view.problem, fit.effects, fit.point.stood, hopeless=least)
-        found += [] if ended is None else [ended]
-    return found
+    begun.sort(key=lambda fit: fit.objective)
+    found, least = list[Fit](), view.base.objective
+    for fit in begun[:LED]:
+        if fit.objective < least and (ended := attempt(view.problem, fit.effects, fit.point.stood, hopeless=least)):
+            found.append(ended)
+            least = min(least, ended.objective)
+    return found or begun[:1]
 
 
 def _waves(view: View, start: Effect) -> list[tuple[Effect, Array | None]]:
