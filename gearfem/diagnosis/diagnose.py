@@ -19,7 +19,8 @@ from gearfem.diagnosis.localising.localise import Localisation, localise
 from gearfem.diagnosis.naming.name import name
 from gearfem.diagnosis.naming.naming import Naming, Rival
 from gearfem.diagnosis.proving.held_out import as_held_out_leaves, asked_alone, instead, without
-from gearfem.diagnosis.proving.prove import Proof, prove
+from gearfem.diagnosis.proving.proof import Proof
+from gearfem.diagnosis.proving.prove import prove
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.suggest import Suggestion, suggest
 from gearfem.effects.effect import Effect

@@ -13,7 +13,7 @@ from gearfem.definition.setup import GearPair, Setup
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.modelling.bench import Settings
 from gearfem.diagnosis.modelling.calibrate import calibration_of
-from gearfem.diagnosis.proving.prove import Gap, Proof
+from gearfem.diagnosis.proving.proof import Gap, Proof
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation.toml import write_toml

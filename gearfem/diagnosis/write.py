@@ -12,7 +12,7 @@ import numpy as np
 from gearfem.diagnosis.diagnose import Diagnosis
 from gearfem.diagnosis.modelling.largest import expected
 from gearfem.diagnosis.naming.naming import Rival
-from gearfem.diagnosis.proving.prove import Gap
+from gearfem.diagnosis.proving.proof import Gap
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.updated import effect_table, write_updated
 from gearfem.effects.catalogue import catalogue

@@ -12,7 +12,7 @@ from gearfem.diagnosis.modelling.nuisances import BUILD, MOVING, SCALES, SERIES,
 from gearfem.diagnosis.modelling.teeth import Scatter
 from gearfem.diagnosis.naming.identify import Identifiability
 from gearfem.diagnosis.naming.naming import Rival
-from gearfem.diagnosis.proving.prove import Gap
+from gearfem.diagnosis.proving.proof import Gap
 from gearfem.diagnosis.reading.roles import ROLES
 from gearfem.diagnosis.write import FINDING, notes, nuisance_rows, reasons, stderr
 from gearfem.effects.effect import Effect

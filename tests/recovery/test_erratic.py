@@ -15,7 +15,7 @@ from gearfem.diagnosis.comparing.averages import of_single_teeth
 from gearfem.diagnosis.comparing.erratic import erratic, marked, said
 from gearfem.diagnosis.modelling.bench import Settings, neutral
 from gearfem.diagnosis.modelling.system_bench import SystemBench
-from gearfem.diagnosis.proving.prove import _judged
+from gearfem.diagnosis.proving.proof import judged
 from gearfem.diagnosis.reading.measurement import Measurement, make_record
 from gearfem.diagnosis.reading.noise import measure_noise
 from gearfem.foundation.units import UM
@@ -72,9 +72,9 @@ def test_an_erratic_motion_counts_for_nothing_but_what_exceeds_its_course(found:
 
 def test_an_erratic_motion_says_nothing_of_a_name(found: Diagnosis) -> None:
     gaps = found.proof.records
-    assert _judged(gaps, named=True).over_nuisances is not None
+    assert judged(gaps, named=True).over_nuisances is not None
     wild = tuple(dataclasses.replace(gap, measurement=dataclasses.replace(gap.measurement, erratic=gap.role == "holdout")) for gap in gaps)
-    proof = _judged(wild, named=True)
+    proof = judged(wild, named=True)
     assert proof.over_nuisances is None
     assert proof.over_fitted is not None
     assert said([gap.measurement for gap in wild])[0] in proof.reasons

@@ -15,7 +15,8 @@ from gearfem.diagnosis.fitting.score import label
 from gearfem.diagnosis.modelling.calibrate import Left
 from gearfem.diagnosis.naming.naming import Rival
 from gearfem.diagnosis.proving.held_out import as_held_out_leaves, without
-from gearfem.diagnosis.proving.prove import Gap, _doubt, _judged, prove
+from gearfem.diagnosis.proving.proof import Gap, _doubt, judged
+from gearfem.diagnosis.proving.prove import prove
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.quantities import QUANTITIES
 from gearfem.effects.profile_slope import ProfileSlope
@@ -261,7 +262,7 @@ def test_a_record_that_neither_explains_does_not_outvote_one_that_the_name_close
     one, two = (gap.expected_rms * math.sqrt(2.0) * np.sin(rate * np.arange(rows)) for rate in (0.3, 0.7))
     closed = dataclasses.replace(gap, after=one, nuisances_only=one + math.sqrt(1.3**2 - 1.0) * two)
     open_either_way = dataclasses.replace(gap, after=2.51 * one, nuisances_only=2.46 * one)
-    alone, both = _judged((closed,), True), _judged((closed, open_either_way), True)
+    alone, both = judged((closed,), True), judged((closed, open_either_way), True)
     assert alone.over_nuisances == pytest.approx(1.3, rel=0.02, abs=0.0)
     assert both.over_nuisances == pytest.approx(math.sqrt((1.3**2 + 1.0) / (1.0 + (2.51 / 2.46) ** 2)), rel=0.02, abs=0.0)
     assert both.stderr is not None
@@ -282,5 +283,5 @@ def test_a_handful_of_numbers_withdraws_no_name(found: Diagnosis) -> None:
         dataclasses.replace(gap, measurement=dataclasses.replace(gap.measurement, quantity=QUANTITIES["dynamic_factor"]))
         for gap in found.proof.of("fit")
     )
-    assert _judged(few, True).over_fitted is None
-    assert _judged((*few, *found.proof.of("fit")), True).over_fitted is not None
+    assert judged(few, True).over_fitted is None
+    assert judged((*few, *found.proof.of("fit")), True).over_fitted is not None

@@ -10,7 +10,7 @@ from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.score import Label, label
 from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.naming.verdict import explains
-from gearfem.diagnosis.proving.prove import Gap, Proof
+from gearfem.diagnosis.proving.proof import Gap, Proof
 from gearfem.effects.effect import Effect
 
 # What a record held out may be left with, in parts of what can be expected of it, unless at least this share of its gap is closed.
