@@ -104,6 +104,20 @@ def test_noise_that_a_record_cannot_hold_is_refused(tmp_path: Path, stated: floa
         read_campaign(file)
 
 
+@pytest.mark.parametrize(("by", "first"), [(100.0, 300), (-100.0, 300), (20.0, 300), (100.0, 575), (0.0, 300)])
+def test_a_record_that_goes_on_at_another_level_is_refused_from_its_row_on(tmp_path: Path, by: float, first: int) -> None:
+    """Not where it varies as much as it steps, nor over the last pitch alone, which may be that of a tooth out of place."""
+    value = 3.0 * np.sin(23.0 * ANGLE) + by * (np.arange(ANGLE.size) >= first)
+    text = "pinion_angle_rad,transmission_error_um\n" + "".join(f"{x:.8f},{y:.5f}\n" for x, y in zip(ANGLE, value, strict=True))
+    path = write(tmp_path, SLOW, a=text)
+    if abs(by) > 50.0 and first == 300:
+        sign = "-" if by < 0.0 else ""
+        with pytest.raises(InputError, match=rf"a\.csv: row 301 \(line 302\), column transmission_error_um: found a step of {sign}\d"):
+            read_campaign(path)
+    else:
+        assert len(read_campaign(path).records) == 1
+
+
 @pytest.mark.parametrize("rows", ["0,1.0\n", "0,1.0\n1,2.0\n", "".join(f"{tooth},4.0\n" for tooth in range(41))])
 def test_teeth_that_say_nothing_beside_a_constant_are_refused(tmp_path: Path, rows: str) -> None:
     with pytest.raises(InputError, match=r"b\.csv: column radial_deviation_um: found .*allowed: 3 rows or more that vary"):

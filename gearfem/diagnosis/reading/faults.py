@@ -36,6 +36,9 @@ OUTER, FEW_OUTER, OUTLIER = 0.01, 2, 20.0
 # Rows of one number that mark missing values, up to a share of all, and how far it lies from the others, in ranges of these: no instrument
 # reads one number that often.
 MARKS, MOST_MARKS, MARKED = 3, 0.2, 3.0
+# A step lies between two levels that are so many times as far apart as either varies, each over so many pitches: a tooth out of place is
+# past after two.
+STEP, LEVEL = 3.0, 3.0
 # Part of the module that no tooth is late or early by.
 OUT_OF_PLACE = 0.05
 
@@ -116,6 +119,7 @@ def find_faults(file: str, quantity: Quantity, series: Series, pair: GearPair, g
         faults.append(Fault(record=file, kind="spike", rows=rows, sentence=f"isolated spikes masked: {rows_text(series, spikes)}"))
     if quantity.axis == "angle":
         _refuse_outliers(series, quantity, keep)
+        _refuse_step(series, quantity, keep, LEVEL * pair.pinion.pitch_angle)
     return keep, faults
 
 
@@ -146,6 +150,21 @@ def _marks(value: Array, keep: NDArray[Any], least: float) -> tuple[NDArray[Any]
         if high > low and max(low - mark, mark - high) > max(MARKED * (high - low), least):
             return np.flatnonzero(marked), low, high
     return np.empty(0, int), 0.0, 0.0
+
+
+def _refuse_step(series: Series, quantity: Quantity, keep: NDArray[Any], least: float) -> None:
+    """Refuse a signal that goes on at another level from one row on, each over a least part of the axis: counts were lost."""
+    rows = np.flatnonzero(keep)
+    value, axis = series.value[rows], series.axis[rows]
+    highest, lowest = np.maximum.accumulate(value)[:-1], np.minimum.accumulate(value)[:-1]
+    highest_on, lowest_on = np.maximum.accumulate(value[::-1])[-2::-1], np.minimum.accumulate(value[::-1])[-2::-1]
+    apart = np.maximum(lowest_on - highest, lowest - highest_on)
+    wide = np.maximum(highest - lowest, highest_on - lowest_on)
+    steps = np.flatnonzero((apart > STEP * wide) & (axis[:-1] - axis[0] > least) & (axis[-1] - axis[1:] > least))
+    if len(steps):
+        row, by = int(rows[steps[0] + 1]), float(value[steps[0] + 1] - value[steps[0]])
+        found = f"a step of {by:.4g} from all rows before it to all that follow, which vary by {wide[steps[0]]:.4g}"
+        raise InputError(f"{series.row(row)}, column {quantity.columns[1]}", found, "one level: split the record in two files at the step")
 
 
 def rows_text(series: Series, rows: NDArray[Any]) -> str:
