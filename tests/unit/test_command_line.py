@@ -81,7 +81,7 @@ def test_options_out_of_range_are_refused(tmp_path):
     [
         (["run", MODEL], ["--out: found nothing", "DIR"]),
         (["run"], ["MODEL: found nothing"]),
-        (["run", MODEL, "--out"], ["--out", "requires an argument"]),
+        (["run", MODEL, "--out"], ["--out: found nothing behind it", "a value"]),
         (["stiffness", MODEL, "--out", "x", "--steps", "many"], ["--steps: found 'many'", "an integer from 200 to 100000"]),
         (["stiffness", MODEL, "--out", "x", "--torque", "much"], ["--torque: found 'much'", "a number"]),
         (["run", MODEL, "--out", "x", "--outer", "1"], ["--outer", "--out"]),
