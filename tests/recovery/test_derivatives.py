@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 from gearfem.diagnosis.fitting import parameters
 from gearfem.diagnosis.fitting.fit import jacobian
 from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.modelling.bench import neutral
+from gearfem.diagnosis.modelling.columns import make_columns
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.sensor_lag import SensorLag
@@ -60,3 +63,15 @@ def test_derivatives_are_those_of_what_is_predicted(tmp_path: Path, effect: Effe
     exact = over_much_shorter_steps(problem, effect, point.stood)
     apart = np.linalg.norm(found - exact, axis=0) / np.linalg.norm(exact, axis=0)
     assert apart.max() < most, apart
+
+
+def test_columns_of_all_nuisances_are_the_same_on_one_core_and_on_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of nuisances and errors of the model, in the places that both have among the unknowns: each child makes one of them."""
+    problem = beside_nuisances(tmp_path, [], [SLOW, ACCELERATION]).problem
+    unknown = problem.unknowns.of(neutral(problem.campaign.setup.pair))
+    arguments = (problem.records, problem.noises, problem.unknowns, problem.bench(()), unknown)
+    shared = make_columns(*arguments)
+    monkeypatch.setattr(sys.modules[make_columns.__module__], "side_by_side", map)
+    for several, one in zip(shared, make_columns(*arguments), strict=True):
+        for part, own in zip(several, one, strict=True):
+            np.testing.assert_allclose(part, own, rtol=1e-9, atol=1e-9 * np.abs(own).max())

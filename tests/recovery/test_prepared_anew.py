@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,6 +18,7 @@ from gearfem.diagnosis.fitting.eased import eased, to_a_factor
 from gearfem.diagnosis.fitting.fit import again
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.bench import neutral
+from gearfem.diagnosis.ranking.rank import _prepared
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
@@ -115,3 +117,33 @@ def test_a_depth_that_was_halved_is_known_to_a_factor_of_two(campaign: Path) -> 
     assert halved == known | {"depth": pytest.approx(0.33 * 145.0 * UM, rel=1e-12, abs=0.0)}
     assert stood == known
     assert not parameters.faint(after, halved, setup)
+
+
+@pytest.mark.parametrize(
+    ("begun", "ends", "led", "left"),
+    [
+        ([500.0, 225.0, 290.0], {225.0: 144.0}, [225.0], [144.0]),
+        ([500.0, 359.0, 363.0], {359.0: 410.0, 363.0: 361.0}, [359.0, 363.0], [410.0, 361.0]),
+        ([700.0, 680.0], {}, [], [680.0]),
+    ],
+    ids=["the second began above the end of the first", "the first led nowhere", "none below the fit without it"],
+)
+def test_fits_of_a_candidate_go_on_where_they_stand_below_what_has_been_found(
+    monkeypatch: pytest.MonkeyPatch, begun: list[float], ends: dict[float, float], led: list[float], left: list[float]
+) -> None:
+    """Places are what a few rounds from there leave."""
+    gone = list[float]()
+
+    def attempt(problem: object, effects: object, place: float, hopeless: float) -> Any:
+        gone.append(place)
+        return SimpleNamespace(objective=ends[place])
+
+    def fit(effects: object, place: float, *_: float) -> Any:
+        return SimpleNamespace(effects=effects, objective=place, point=SimpleNamespace(stood=place))
+
+    monkeypatch.setattr(sys.modules[_prepared.__module__], "attempt", attempt)
+    problem = SimpleNamespace(fit=fit, prepare=lambda effects, place: place)
+    view: Any = SimpleNamespace(problem=problem, base=SimpleNamespace(objective=586.0))
+    starts: Any = [((), place) for place in begun]
+    assert [fit.objective for fit in _prepared(view, starts)] == left
+    assert gone == led
