@@ -17,6 +17,7 @@ from gearfem.diagnosis.comparing.branches import FAR, nearest
 from gearfem.diagnosis.comparing.comparison import Compared, Comparison, Shift
 from gearfem.diagnosis.comparing.erratic import marked
 from gearfem.diagnosis.comparing.magnitudes import refuse_magnitudes
+from gearfem.diagnosis.comparing.mirrored import refuse_mirrored
 from gearfem.diagnosis.fitting.approach import at_rest, fit_from, lost, part_of, tuned
 from gearfem.diagnosis.fitting.fit import Fit, again, attempt
 from gearfem.diagnosis.fitting.problem import BenchOf, Problem
@@ -64,7 +65,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     Raises
     ------
     InputError
-        If a record is in another unit than it says, or taken at another speed; if there is none to fit, or no campaign.
+        If a record is in another unit than it says or of the other sign, or taken at another speed; if there is none, or no campaign.
     SolveError
         If the model cannot be computed where a record was taken.
 
@@ -89,6 +90,7 @@ def compare(campaign: Campaign, scatter: Scatter | None = None, bench: BenchOf |
     level = dataclasses.replace(neutral(pair), angle_offset=_zero(rough, progress))
     progress("nuisances", 0, 4)
     found = fit_from(rough, level, ROUGH)
+    refuse_mirrored(rough, found)
     explained = (record.value - left for record, left in zip(records, found.left, strict=True))
     noises = tuple(measure_noise(record, pair, part) for record, part in zip(records, explained, strict=True))
     records = marked(records, noises, rough.bench(()), found.settings)
