@@ -51,7 +51,7 @@ class Commands(click.Group):
             what = f" ({error})" if str(error) else ""
             _end(ctx, f"error: not enough memory{what}; a lower --resolution or fewer steps take less", FAILED)
         except EffectError as error:
-            _end(ctx, f"error: {error}", REFUSED)
+            _end(ctx, *(("interrupted", INTERRUPTED) if lost else (f"error: {error}", REFUSED)))
         except (SolveError, FloatingPointError) as error:
             _end(ctx, f"error: {error}", FAILED)
         except KeyboardInterrupt:

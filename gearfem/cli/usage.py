@@ -35,7 +35,9 @@ def _parts(error: UsageError) -> tuple[str, str, str]:
     found = error.message.rstrip(".")
     found = f"{found[:1].lower()}{found[1:]}"
     if isinstance(error, BadOptionUsage):
-        return error.option_name, "nothing behind it" if "requires" in found else found, "a value, as -h of the command shows it"
+        if "requires an argument" in found:
+            return error.option_name, "nothing behind it", "a value, as -h of the command shows it"
+        return error.option_name, found, f"what {program} -h says of it"
     if error.ctx is not None and isinstance(error.ctx.command, click.Group):
         return program, found, ", ".join(error.ctx.command.list_commands(error.ctx))
     return program, found, f"what {program} -h says"

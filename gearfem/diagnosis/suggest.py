@@ -157,7 +157,7 @@ def _apart(problem: Problem, fit: Fit, plan: Plan, explanations: list[tuple[Effe
 
 def _nuisances(problem: Problem, fit: Fit, record: Measurement, bench: SystemBench, predicted: Array) -> Array:
     """Return what a constant, nuisances, errors of single teeth and of our own model do to a record, at one deviation each."""
-    own = problem.unknowns.place
+    own = problem.unknowns.places
     known = (*problem.nuisances, *(nuisance for nuisance in (*SCALES, *BUILD, *MOVING) if nuisance.name not in own))
     moved = [float(fit.point.unknown[own[nuisance.name]]) if nuisance.name in own else 0.0 for nuisance in known]
     constant = np.full((len(record.axis), 1), FREE if record.quantity.free_constant else 0.0)

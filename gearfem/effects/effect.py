@@ -164,19 +164,21 @@ class Effect(Record, abc.ABC):
         InputError, SolveError
             If it cannot act on this pair, as it says itself.
         FloatingPointError
-            If it leaves what is no number.
+            If it leaves a field that is no number.
         EffectError
-            If its code fails, or returns no record.
+            If its code fails, or returns no record of that type, or of a contact none at all.
         """
         try:
             changed = self.act(record, setup)
         except FloatingPointError as error:
             raise FloatingPointError(f'effect "{self.name}": {error}') from None
-        except UNCOMPUTABLE:
+        except (*UNCOMPUTABLE, MemoryError):
             raise
         except Exception as error:
             raise EffectError(f'effect "{self.name}": act fails with {type(error).__name__} ({error})') from error
-        if not isinstance(changed, Record):
+        # A law of contact may become one that scales it.
+        alike = self.stage == "contact" or isinstance(changed, type(record))
+        if not (alike and isinstance(changed, Record)):
             raise EffectError(f'effect "{self.name}": act returns {changed!r:.40}, no {type(record).__name__} as it is given')
         for field in dataclasses.fields(changed):
             # Arrays are looked at where a record is made.

@@ -43,22 +43,22 @@ class InputError(ValueError):
         return self if self.file else InputError(self.where, self.found, self.allowed, file)
 
 
-def not_utf8(error: UnicodeDecodeError, format: str, file: str) -> InputError:
+def not_utf8(error: UnicodeDecodeError, kind: str, file: str) -> InputError:
     """Return how text is refused that is in no UTF-8, by the line of its first wrong byte.
 
     Parameters
     ----------
     error : UnicodeDecodeError
         Of a whole file.
-    format, file : str
+    kind, file : str
         Of the text ("CSV"), and its name.
     """
     line, wrong = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
-    return InputError(f"line {line}", f"the byte 0x{wrong:02x}, which is not UTF-8", f"{format} text in UTF-8, no other encoding", file)
+    return InputError(f"line {line}", f"the byte 0x{wrong:02x}, which is not UTF-8", f"{kind} text in UTF-8, no other encoding", file)
 
 
 class EffectError(Exception):
-    """An effect whose own code fails; the message names it. Unlike a place without a model it is never passed over in a search."""
+    """An effect whose `act` fails; the message names it. Unlike a place without a model it is never passed over in a search."""
 
 
 class SolveError(RuntimeError):

@@ -59,7 +59,10 @@ def side_by_side(work: Callable[[Item], Result], items: Sequence[Item]) -> Itera
     fork, workers = multiprocessing.get_context("fork"), min(cores, len(items))
     with ProcessPoolExecutor(workers, mp_context=fork, initializer=_begin) as pool:
         try:
-            yield from pool.map(_call, items)
+            results = pool.map(_call, items)
+            # The children have it by now; it may hold much that nobody else does.
+            _shared.clear()
+            yield from results
         except BaseException:
             # Nobody waits for the rest: an interrupt may reach this process alone.
             for child in multiprocessing.active_children():

@@ -124,9 +124,9 @@ def test_a_depth_that_was_halved_is_known_to_a_factor_of_two(campaign: Path) -> 
     [
         ([500.0, 225.0, 290.0], {225.0: 144.0}, [225.0], [144.0]),
         ([500.0, 359.0, 363.0], {359.0: 410.0, 363.0: 361.0}, [359.0, 363.0], [410.0, 361.0]),
-        ([700.0, 680.0], {}, [], [680.0]),
+        ([700.0, 680.0], {680.0: 640.0}, [680.0], [640.0]),
     ],
-    ids=["the second began above the end of the first", "the first led nowhere", "none below the fit without it"],
+    ids=["the second began above the end of the first", "the first led nowhere", "the second began above the fit without it"],
 )
 def test_fits_of_a_candidate_go_on_where_they_stand_below_what_has_been_found(
     monkeypatch: pytest.MonkeyPatch, begun: list[float], ends: dict[float, float], led: list[float], left: list[float]

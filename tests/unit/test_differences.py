@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearfem.diagnosis.modelling.differences import one_sided
+from gearfem.diagnosis.modelling.differences import one_sided, two_sided
 from gearfem.foundation import Array, InputError, SolveError
 
 
@@ -28,5 +28,16 @@ def test_a_model_that_ends_on_both_sides_has_no_derivative() -> None:
     def quotient(step: float) -> Array:
         raise SolveError(f"none at {step}")
 
-    with pytest.raises(SolveError, match=r"none at -0\.1"):
-        one_sided(quotient, 0.1)
+    for difference in (one_sided, two_sided):
+        with pytest.raises(SolveError, match=r"none at -0\.1"):
+            difference(quotient, 0.1)
+
+
+@pytest.mark.parametrize(("ends", "found"), [((), 3.0), ((0.1,), 2.9), ((-0.1,), 3.1)], ids=["neither", "ahead", "behind"])
+def test_both_sides_count_where_both_can_be_computed(ends: tuple[float, ...], found: float) -> None:
+    def quotient(step: float) -> Array:
+        if step in ends:
+            raise SolveError("no loads")
+        return np.array([(step**2 + 3.0 * step) / step])
+
+    assert two_sided(quotient, 0.1) == pytest.approx([found], rel=1e-12, abs=0.0)

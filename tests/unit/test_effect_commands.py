@@ -143,6 +143,7 @@ def test_files_and_classes_that_are_no_effects_are_refused(tmp_path):
     [
         ("return 1.0 / 0.0 * flanks", "ZeroDivisionError"),
         ("flanks.no_such_thing()", "AttributeError"),
+        ("return setup", "act returns Setup("),
         ("pass", "act returns None, no Instrument as it is given"),
         ("return dataclasses.replace(flanks, gain=float('nan'))", "gain of the Instrument is no number"),
     ],

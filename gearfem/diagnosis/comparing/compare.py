@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import copy
 import dataclasses
 import math
 from collections.abc import Iterator
@@ -176,7 +175,7 @@ def _zero(problem: Problem, progress: Progress) -> float:
     What is missing from all flanks moves the mesh lines by up to half a pitch. Where wear of either gear leaves less from there, though it
     pays for its parameters, the zero is the one under wear: index errors, free in these fits, would be wrong under another one.
     """
-    if "angle_offset" not in problem.unknowns.place:
+    if "angle_offset" not in problem.unknowns.places:
         return 0.0
     setup, over = problem.campaign.setup, [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle"]
     few = part_of(problem, [i for i in over if not problem.records[i].quantity.moving] or over)
@@ -201,8 +200,8 @@ def _zero(problem: Problem, progress: Progress) -> float:
         # Worn flanks that cannot be computed tell nothing of the zero.
         with contextlib.suppress(*UNCOMPUTABLE):
             for fit in fits(effects, zero, ROUGH):
-                if fit.objective + price < best.objective:
-                    best = min(best, again(copy.copy(few), fit.effects, fit.point.stood), key=lambda one: one.objective)
+                if fit.objective + price < best.objective and (other := attempt(few, fit.effects, fit.point.stood)):
+                    best = min(best, other, key=lambda one: one.objective)
     progress("angle zero", len(worn), len(worn))
     return best.settings.angle_offset
 

@@ -68,7 +68,7 @@ def _left(few: Problem) -> float:
 def _levels(few: Problem) -> list[Settings]:
     """Return where fits of the nuisances begin: the model, with the likeliest zeros of the pinion angle where that is unknown."""
     level = neutral(few.campaign.setup.pair)
-    if "angle_offset" not in few.unknowns.place:
+    if "angle_offset" not in few.unknowns.places:
         return [level]
     zeros = guess_zero(few.records, few.bench(()), level, tuple(noise.std for noise in few.noises))
     return [dataclasses.replace(level, angle_offset=zero) for zero in zeros]

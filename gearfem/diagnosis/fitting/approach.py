@@ -78,10 +78,10 @@ def tuned(problem: Problem, unknown: Array, effects: tuple[Effect, ...] = ()) ->
 
     The misfit of a resonance has a minimum wherever one of its lines meets one of the record's: no descent leaves a wrong one.
     """
-    place = problem.unknowns.place
-    if not {"series_compliance", "damping_scale"} <= set(place):
+    own = problem.unknowns.places
+    if not {"series_compliance", "damping_scale"} <= set(own):
         return unknown
-    places = [place["series_compliance"], place["damping_scale"]]
+    places = [own["series_compliance"], own["damping_scale"]]
 
     def one(moved: tuple[float, float]) -> Point | None:
         tried = unknown.copy()
@@ -100,7 +100,7 @@ def unwound(problem: Problem, effects: tuple[Effect, ...], unknown: Array) -> li
 
     Effects that change all flanks much do: the zero that suited the records without them is a pitch or half of one off.
     """
-    place = problem.unknowns.place.get("angle_offset")
+    place = problem.unknowns.places.get("angle_offset")
     moves = any(effect.repeats == "every tooth" and effect.stage in ("flank", "placement") for effect in effects)
     over = [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle" and not record.quantity.moving]
     if not (moves and over) or place is None:

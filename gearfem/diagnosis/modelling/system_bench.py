@@ -33,8 +33,8 @@ LEAST_LOAD = 0.02
 UNLOADED = 0.01
 # Places of the path of contact at which the depth of a flank is averaged.
 DEPTHS = 101
-# Systems of other coupling, tip edges and errors that stay in memory: those of a derivative.
-BUILT = 16
+# Systems of other coupling, tip edges and errors that stay in memory: those of the trials of a step.
+BUILT = 8
 # Longest step of motions by 1/omega_n: an error far below what a motion is expected to be predicted to (see `march_turns`).
 STRIDE = 0.7
 

@@ -60,7 +60,7 @@ class Unknowns(Record):
         return len(self.nuisances)
 
     @cached_property
-    def place(self) -> Mapping[str, int]:
+    def places(self) -> Mapping[str, int]:
         """Places of the outer nuisances by their names."""
         return {nuisance.name: place for place, nuisance in enumerate(self.nuisances)}
 

@@ -215,22 +215,23 @@ def _fits(problem: Problem, starts: list[Start], rounds: int, hopeless: float = 
 
 
 def _prepared(view: View, starts: list[Start]) -> list[Fit]:
-    """Return fits with columns taken under their effects: of those that lead lowest in a few rounds, below the fit that they build on.
+    """Return fits with columns taken under their effects: of those that lead lowest in a few rounds.
 
-    None goes on that stands above where one before it has ended; where none goes on the lowest stands as it began.
+    After the first one none goes on that stands above what one before it has come to, or above the fit that they build on.
     """
     begun: list[Fit] = []
     for effects, unknown in starts:
         with contextlib.suppress(*UNCOMPUTABLE):
             here = copy.copy(view.problem)
             begun.append(here.fit(effects, here.prepare(effects, unknown), BEGUN, view.base.objective))
-    begun.sort(key=lambda fit: fit.objective)
     found, least = list[Fit](), view.base.objective
-    for fit in begun[:LED]:
-        if fit.objective < least and (ended := attempt(view.problem, fit.effects, fit.point.stood, hopeless=least)):
+    for fit in sorted(begun, key=lambda fit: fit.objective)[:LED]:
+        if found and fit.objective >= least:
+            break
+        if ended := attempt(view.problem, fit.effects, fit.point.stood, hopeless=least):
             found.append(ended)
             least = min(least, ended.objective)
-    return found or begun[:1]
+    return found
 
 
 def _waves(view: View, start: Effect) -> list[tuple[Effect, Array | None]]:
