@@ -45,6 +45,10 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
         If an effect is beyond its bounds, or leaves gears that cannot mesh.
     SolveError
         If a compliance cannot be computed.
+    FloatingPointError
+        If an effect leaves what is no number.
+    EffectError
+        If the `act` of an effect fails.
 
     Notes
     -----

@@ -91,7 +91,8 @@ def find_faults(file: str, quantity: Quantity, series: Series, pair: GearPair, g
     Raises
     ------
     InputError
-        On an axis that runs backwards, has a gap or another unit, and on spikes that are not isolated.
+        On an axis that runs backwards, has a gap or another unit, on spikes that are not isolated, on rows far from all others or marks
+        for missing values, and on a step to another level.
     """
     keep = np.ones(len(series.axis), bool)
     if quantity.axis == "speed":
