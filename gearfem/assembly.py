@@ -12,7 +12,7 @@ from gearfem.contact import EdgedLine
 from gearfem.contact.scaled import Law, evened
 from gearfem.definition.calibration import Calibration
 from gearfem.definition.setup import Setup
-from gearfem.dynamics import make_drive
+from gearfem.dynamics import DriveTrain, make_drive
 from gearfem.effects.catalogue import in_history
 from gearfem.effects.effect import Effect, Stage
 from gearfem.flank import Flanks, make_flanks
@@ -78,14 +78,7 @@ def assemble(setup: Setup, effects: Iterable[Effect] = ()) -> System:
     materials = (gear.material for gear in (setup.pair.pinion, setup.pair.wheel))
     pinion, wheel = (dataclasses.replace(steel, youngs_modulus=fitted.stiffness_scale * steel.youngs_modulus) for steel in materials)
     law: Law = EdgedLine(pinion=pinion, wheel=wheel)
-    drive = dataclasses.replace(
-        drive,
-        pinion_torque=drive.pinion_torque * fitted.torque_scale,
-        wheel_torque=drive.wheel_torque * fitted.torque_scale,
-        pinion_inertia=drive.pinion_inertia * fitted.inertia_scale,
-        wheel_inertia=drive.wheel_inertia * fitted.inertia_scale,
-    )
-    drive = _act(drive, of("drive"), bare)
+    drive = _act(_scaled(drive, fitted), of("drive"), bare)
     system = System(
         setup=setup,
         # The compliance stays that of the model's tip edges: its table begins and ends with rounds that move by a hundredth of the flank.
@@ -146,6 +139,17 @@ def _flanks(setup: Setup, effects: tuple[Effect, ...]) -> Flanks:
 @remembered
 def _compliance(flanks: Flanks, setup: Setup, effects: tuple[Effect, ...]) -> Compliance:
     return _act(make_compliance(flanks), effects, setup)
+
+
+def _scaled(drive: DriveTrain, fitted: Calibration) -> DriveTrain:
+    """Return a drive with the fitted scales of its torques and inertias."""
+    return dataclasses.replace(
+        drive,
+        pinion_torque=drive.pinion_torque * fitted.torque_scale,
+        wheel_torque=drive.wheel_torque * fitted.torque_scale,
+        pinion_inertia=drive.pinion_inertia * fitted.inertia_scale,
+        wheel_inertia=drive.wheel_inertia * fitted.inertia_scale,
+    )
 
 
 def _late(placement: Placement, fitted: Calibration) -> Placement:

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from gearfem.diagnosis import read_campaign
-from gearfem.diagnosis.comparing.compare import ROUGH
 from gearfem.diagnosis.comparing.mirrored import refuse_mirrored
-from gearfem.diagnosis.fitting.approach import fit_from, lost
+from gearfem.diagnosis.fitting.approach import ROUGH, fit_from, lost
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.bench import neutral

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import math
-from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -17,26 +16,25 @@ from gearfem.diagnosis.comparing.comparison import Compared, Comparison, Shift
 from gearfem.diagnosis.comparing.erratic import marked
 from gearfem.diagnosis.comparing.magnitudes import refuse_magnitudes
 from gearfem.diagnosis.comparing.mirrored import refuse_mirrored
-from gearfem.diagnosis.fitting.approach import at_rest, fit_from, lost, part_of, tuned
+from gearfem.diagnosis.fitting.approach import ROUGH, at_rest, fit_from, from_zeros, lost, part_of, tuned
 from gearfem.diagnosis.fitting.fit import Fit, again, attempt
 from gearfem.diagnosis.fitting.problem import BenchOf, Problem
 from gearfem.diagnosis.fitting.score import PARAMETER, stays
 from gearfem.diagnosis.modelling.bench import Settings, neutral
 from gearfem.diagnosis.modelling.system_bench import bench_of
 from gearfem.diagnosis.modelling.teeth import Scatter
-from gearfem.diagnosis.modelling.zero import guess_zero
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.reading.measurement import Measurement
 from gearfem.diagnosis.reading.noise import measure_noise
-from gearfem.effects.effect import MEMBERS, Effect
+from gearfem.effects.effect import MEMBERS
 from gearfem.effects.profile_wear import ProfileWear
 from gearfem.foundation import UNCOMPUTABLE, Array, InputError
 from gearfem.foundation.progress import Progress, quiet
 
 # Terms of the waviness of a flank. To find the zero and the noise, the few of `Scatter` are enough, and they leave the noise alone.
 TERMS = 14
-# Rounds in which guesses of the zero are told apart, and in which the noise is found.
-GUESSED, ROUGH = 1, 3
+# Rounds in which guesses of the zero are told apart.
+GUESSED = 1
 # Pitches beyond which no descent leads from one zero to another.
 VALLEY = 0.2
 # Times that nuisances and single teeth are fitted by turns.
@@ -179,17 +177,9 @@ def _zero(problem: Problem, progress: Progress) -> float:
         return 0.0
     setup, over = problem.campaign.setup, [i for i, record in enumerate(problem.records) if record.quantity.axis == "angle"]
     few = part_of(problem, [i for i in over if not problem.records[i].quantity.moving] or over)
-    level, deviations = neutral(setup.pair), tuple(noise.std for noise in few.noises)
     worn = [(ProfileWear.example(setup, member),) for member in MEMBERS]
 
-    def fits(effects: tuple[Effect, ...], away: float | None, rounds: int) -> Iterator[Fit]:
-        for guess in guess_zero(few.records, few.bench(effects), level, deviations):
-            if away is None or _apart(guess, away, setup.pair) > VALLEY:
-                # A guess that cannot be computed is none.
-                with contextlib.suppress(*UNCOMPUTABLE):
-                    yield fit_from(few, dataclasses.replace(level, angle_offset=guess), rounds, effects)
-
-    best = min(fits((), None, GUESSED), key=lambda fit: fit.objective, default=None)
+    best = min(from_zeros(few, GUESSED), key=lambda fit: fit.objective, default=None)
     if best is None:
         # What is fitted next says why.
         return 0.0
@@ -199,7 +189,7 @@ def _zero(problem: Problem, progress: Progress) -> float:
         price = PARAMETER * len(effects[0].parameters())
         # Worn flanks that cannot be computed tell nothing of the zero.
         with contextlib.suppress(*UNCOMPUTABLE):
-            for fit in fits(effects, zero, ROUGH):
+            for fit in from_zeros(few, ROUGH, effects, lambda other: _apart(other, zero, setup.pair) > VALLEY):
                 if fit.objective + price < best.objective and (other := attempt(few, fit.effects, fit.point.stood)):
                     best = min(best, other, key=lambda one: one.objective)
     progress("angle zero", len(worn), len(worn))

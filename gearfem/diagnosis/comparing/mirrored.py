@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import copy
 import dataclasses
 import math
 from pathlib import Path
 
-from gearfem.diagnosis.fitting.approach import FAR_OFF, fit_from, part_of
+from gearfem.diagnosis.fitting.approach import FAR_OFF, ROUGH, from_zeros, part_of
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.modelling.bench import Settings, neutral
-from gearfem.diagnosis.modelling.zero import guess_zero
-from gearfem.foundation import UNCOMPUTABLE, InputError
+from gearfem.foundation import InputError
 
 # What a fit of the other sign may leave of a record at most to be believed, in parts of what can be expected and of what the other leaves.
 BELIEVED, BETTER = 2.0, 0.25
-# Rounds of such a fit.
-ROUGH = 3
 
 
 def refuse_mirrored(problem: Problem, fit: Fit) -> None:
@@ -48,27 +43,10 @@ def refuse_mirrored(problem: Problem, fit: Fit) -> None:
         return
     turned = copy.copy(problem)
     turned.records = tuple(dataclasses.replace(record, value=-record.value) for record in problem.records)
-    left = _left(part_of(turned, slow))
+    few = part_of(turned, slow)
+    left = min((float((one.squares / few.floor).max()) for one in from_zeros(few, ROUGH)), default=math.inf)
     if left < min(BELIEVED, BETTER * off[slow].max()):
         record = problem.records[slow[0]]
         found = f"what the model meets turned over: {left:.2g} times the expected square is left so, {off[slow].max():.3g} times as it is"
         file = Path(problem.campaign.path).parent / record.file
         raise InputError(f"column {record.quantity.columns[1]}", found, "positive where the wheel lags", str(file))
-
-
-def _left(few: Problem) -> float:
-    """Return what nuisances alone leave of the record that they leave most of, in parts of what can be expected."""
-    found = []
-    for level in _levels(few):
-        with contextlib.suppress(*UNCOMPUTABLE):
-            found.append(float((fit_from(few, level, ROUGH).squares / few.floor).max()))
-    return min(found, default=math.inf)
-
-
-def _levels(few: Problem) -> list[Settings]:
-    """Return where fits of the nuisances begin: the model, with the likeliest zeros of the pinion angle where that is unknown."""
-    level = neutral(few.campaign.setup.pair)
-    if "angle_offset" not in few.unknowns.places:
-        return [level]
-    zeros = guess_zero(few.records, few.bench(()), level, tuple(noise.std for noise in few.noises))
-    return [dataclasses.replace(level, angle_offset=zero) for zero in zeros]

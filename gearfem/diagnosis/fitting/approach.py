@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from gearfem.diagnosis.fitting.fit import ROUNDS, Fit, attempt
 from gearfem.diagnosis.fitting.point import Point
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.modelling.bench import Settings
+from gearfem.diagnosis.modelling.bench import Settings, neutral
 from gearfem.diagnosis.modelling.unknowns import unknowns_of
 from gearfem.diagnosis.modelling.zero import guess_zero
 from gearfem.effects.effect import Effect
@@ -23,6 +23,8 @@ EDGES = ((1.0, 0.0), (0.2, 1.0))
 SERIES_TRIED, DAMPING_TRIED = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0), (-1.5, 0.0, 1.5)
 # Times that the fit of slow records, a place to start from, is prepared anew.
 TIMES = 4
+# Rounds in which a fit shows the noise, and which sign and zero suit the records.
+ROUGH = 3
 # What a fit leaves of a record, over what can be expected, beyond which it may stand in the wrong place.
 FAR_OFF = 5.0
 
@@ -44,6 +46,22 @@ def moves_otherwise(problem: Problem, base: Fit, effects: tuple[Effect, ...]) ->
 def fit_from(problem: Problem, start: Settings, rounds: int = ROUNDS, effects: tuple[Effect, ...] = ()) -> Fit:
     """Return the fit of effects, or of the nuisances alone, from settings on, where their derivatives are taken."""
     return problem.fit(effects, problem.prepare(effects, problem.unknowns.of(start)), rounds)
+
+
+def from_zeros(
+    problem: Problem, rounds: int, effects: tuple[Effect, ...] = (), allowed: Callable[[float], bool] = lambda zero: True
+) -> Iterator[Fit]:
+    """Yield fits from the model as it is, where the zero of the pinion angle is unknown from the likeliest ones that are allowed.
+
+    Those that cannot be computed are passed over.
+    """
+    level = neutral(problem.campaign.setup.pair)
+    zeros = [level.angle_offset]
+    if "angle_offset" in problem.unknowns.places:
+        zeros = guess_zero(problem.records, problem.bench(effects), level, tuple(noise.std for noise in problem.noises))
+    for zero in filter(allowed, zeros):
+        with contextlib.suppress(*UNCOMPUTABLE):
+            yield fit_from(problem, dataclasses.replace(level, angle_offset=zero), rounds, effects)
 
 
 def part_of(problem: Problem, places: Sequence[int], effects: tuple[Effect, ...] = ()) -> Problem:
