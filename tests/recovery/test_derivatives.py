@@ -43,29 +43,32 @@ def over_much_shorter_steps(problem: Problem, effect: Effect, unknown: Array) ->
 
 
 @pytest.mark.parametrize(
-    ("effect", "record", "leaps", "most"),
+    ("effect", "record", "most", "leaps", "most_else"),
     [
-        (Pitting(gear="pinion", tooth=3, depth=3.0 * UM, centre=7.0 * MM, width=4.0 * MM), SLOW, 5, 0.06),
-        (TipRelief(gear="wheel", amount=14.0 * UM, length=2.5 * MM), SLOW, 0, 0.1),
-        (SensorLag(delay=12e-6), ACCELERATION, 0, 0.1),
+        (Pitting(gear="pinion", tooth=3, depth=3.0 * UM, centre=7.0 * MM, width=4.0 * MM), SLOW, 0.3, 5, 0.06),
+        (TipRelief(gear="wheel", amount=14.0 * UM, length=2.5 * MM), SLOW, 0.1, 0, 0.1),
+        (SensorLag(delay=12e-6), ACCELERATION, 0.1, 0, 0.1),
     ],
     ids=["pit", "relief", "delay"],
 )
 def test_derivatives_are_those_of_what_is_predicted(
-    tmp_path: Path, effect: Effect, record: dict[str, object], leaps: int, most: float
+    tmp_path: Path, effect: Effect, record: dict[str, object], most: float, leaps: int, most_else: float
 ) -> None:
-    """Steps ten times as long put those over where a pit lies off by a tenth to a sixth, and those over a delay by more: fits stood still.
+    """Steps ten times as long put those over a pit off by half, and those over a delay by more: fits stood still.
 
-    Contact leaps over the ends of a pit, so that some rows leap too as it moves: no step is short enough for these, which are left out.
+    Contact leaps over the ends of a pit, so that some rows leap too as it moves: no step is short enough for these. All others are met more
+    closely; steps ten times as long put them off by a tenth.
     """
     shown = beside_nuisances(tmp_path, [], [record])
     problem = shown.problem
     point = problem.at((effect,), shown.base.point.stood)
     found = jacobian(problem, point)[:, : len(effect.fitted())]
     exact = over_much_shorter_steps(problem, effect, point.stood)
+    apart = np.linalg.norm(found - exact, axis=0) / np.linalg.norm(exact, axis=0)
+    assert apart.max() < most, apart
     for own, column in zip(found.T, exact.T, strict=True):
         stay = np.argsort(np.abs(own - column))[: len(column) - leaps]
-        assert np.linalg.norm((own - column)[stay]) < most * np.linalg.norm(column[stay])
+        assert np.linalg.norm((own - column)[stay]) < most_else * np.linalg.norm(column[stay])
 
 
 def test_columns_of_all_nuisances_are_the_same_on_one_core_and_on_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -33,7 +33,7 @@ AHEAD = 3.0
 # What is added to the squares of all columns, in parts of them, until a step helps.
 DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 # Steps of differences in parts of a parameter's size; and of those of an instrument, which leave the motion as it is: beside impacts in an
-# acceleration 5 ns of delay are little, 1 us is not. Ten times as long ones put derivatives over where pits lie off by a tenth and more.
+# acceleration 5 ns of delay are little, 1 us is not. Ten times as long ones put derivatives over where pits lie off by half of them.
 DIFFERENCE, READ = 0.003, 0.0001
 # Unit of places and lengths along a flank or a face.
 ALONG = "mm"
