@@ -13,6 +13,7 @@ from gearfem.diagnosis.comparing.averages import averaged, has_means, of_single_
 from gearfem.diagnosis.comparing.compare import compare
 from gearfem.diagnosis.comparing.comparison import Comparison
 from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.inexact import stated
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import label, simplicity, stays
 from gearfem.diagnosis.localising.localise import Localisation, localise
@@ -51,6 +52,8 @@ class Diagnosis(Record):
         What to measure next, the best first; empty unless the verdict is ambiguous.
     tried : tuple of str
         Names of the effects that it chose among.
+    deviations : tuple of dict
+        Standard deviation of each parameter of the named effects as it is stated [SI], by field, see `stated`.
     """
 
     comparison: Comparison
@@ -60,6 +63,7 @@ class Diagnosis(Record):
     proof: Proof
     suggestions: tuple[Suggestion, ...]
     tried: tuple[str, ...]
+    deviations: tuple[dict[str, float], ...]
 
     @property
     def problem(self) -> Problem:
@@ -121,7 +125,14 @@ def diagnose(campaign: Campaign, kinds: Mapping[str, type[Effect]], progress: Pr
         problem.prepare(naming.fit.effects, naming.fit.point.stood)
     after = localise(comparison, naming.fit, DRAWS, progress=progress) if naming.fit.effects else before
     draft = Diagnosis(
-        comparison=comparison, before=before, after=after, naming=naming, proof=proof, suggestions=(), tried=tuple(sorted(kinds))
+        comparison=comparison,
+        before=before,
+        after=after,
+        naming=naming,
+        proof=proof,
+        suggestions=(),
+        tried=tuple(sorted(kinds)),
+        deviations=stated(problem, naming.fit),
     )
     rivals = [rival.effects for rival in draft.alternatives]
     return dataclasses.replace(draft, suggestions=suggest(problem, naming.fit, rivals, progress)) if rivals else draft

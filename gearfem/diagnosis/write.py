@@ -148,7 +148,7 @@ def stderr(effect: Effect, field: str, deviation: float) -> float | None:
 
 def _named(diagnosis: Diagnosis, number: int) -> dict[str, Any]:
     naming = diagnosis.naming
-    effect, deviations = naming.fit.effects[number], naming.fit.deviations[number]
+    effect, deviations = naming.fit.effects[number], diagnosis.deviations[number]
     table = effect_table(effect, diagnosis.campaign.setup)
     parameters: dict[str, Any] = {}
     for key, field in effect.keys().items():

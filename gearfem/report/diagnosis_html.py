@@ -124,7 +124,7 @@ def write_diagnosis_report(diagnosis: Diagnosis, out: Path) -> list[Path]:
 def _parameters(diagnosis: Diagnosis) -> list[ParameterRow]:
     fit = diagnosis.naming.fit
     rows = []
-    for number, (effect, deviations) in enumerate(zip(fit.effects, fit.deviations, strict=True)):
+    for number, (effect, deviations) in enumerate(zip(fit.effects, diagnosis.deviations, strict=True)):
         for field, known in effect.parameters().items():
             key = effect.key(field)
             value, remark = getattr(effect, field) / factor(key), "at its bound" if (number, field) in fit.bound else ""

@@ -52,7 +52,7 @@ def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alon
     leaves, tried = {1.0: stood, 0.0: stood + 1.0, 5.0: 90.0}, list[float]()
 
     def point(unknown: float, at: float) -> Any:
-        return SimpleNamespace(unknown=unknown, stood=at)
+        return SimpleNamespace(unknown=unknown, stood=at, weights=np.ones(2))
 
     def attempt(problem: object, effects: tuple[str, ...], place: float, **_: float) -> Any:
         tried.append(place)
@@ -62,12 +62,19 @@ def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alon
     monkeypatch.setattr(module, "near_by", lambda problem, fit: False)
     monkeypatch.setattr(module, "counted", lambda work, items, *_: map(work, items))
     monkeypatch.setattr(module, "label", lambda effects: effects)
-    problem = SimpleNamespace(wander=40.0, unknowns=SimpleNamespace(neutral=lambda unknown: 0.0))
+    problem = SimpleNamespace(wander=40.0, memory=np.ones(2), outer=3, unknowns=SimpleNamespace(neutral=lambda unknown: 0.0))
     search = Search(cast(Problem, problem), cast(Fit, SimpleNamespace(point=point(4.0, 5.0))))
     monkeypatch.setattr(search, "score", lambda fit: fit.objective)
-    search.settle([cast(Fit, SimpleNamespace(effects=("pit",), objective=100.0, point=point(2.0, 1.0)))], quiet, "again")
+    promised = cast(Fit, SimpleNamespace(effects=("pit",), objective=100.0, point=point(2.0, 1.0)))
+    search.settle([promised], quiet, "again")
     assert search.fits[("pit",)].objective == ends  # type: ignore[index]
     assert tried == begun
+    # It would end there again; where errors of the model stay alike for longer it would not.
+    search.settle([promised], quiet, "these again")
+    assert tried == [*begun, *(place for place in begun if place)]
+    problem.memory = np.full(2, 4.0)
+    search.settle([promised], quiet, "rivals again")
+    assert tried[-len(begun) :] == begun
 
 
 def test_rivals_fitted_again_know_where_nuisances_alone_stand(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -238,7 +238,9 @@ def beside(known: Fit, further: Fit) -> Fit:
 def whole(problem: Problem, means: Fit, single: Fit) -> Fit:
     """Return the fit of all records row by row, the largest Kw of turns included, from one of the means and of single teeth under it."""
     teeth = of_single_teeth(problem, means.settings, means.effects)
-    return stand(problem, means, teeth, teeth.fit(single.effects, teeth.prepare(single.effects, single.point.stood), rounds=0))
+    found = teeth.fit(single.effects, teeth.prepare(single.effects, single.point.stood), rounds=0)
+    # What has been halved is known to a factor still.
+    return stand(problem, means, teeth, dataclasses.replace(found, deviations=single.deviations))
 
 
 def without_single(problem: Problem, fit: Fit) -> Fit:

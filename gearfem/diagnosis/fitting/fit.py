@@ -14,12 +14,12 @@ from scipy.optimize import lsq_linear
 
 from gearfem.diagnosis.fitting import parameters
 from gearfem.diagnosis.fitting.eased import eased, to_a_factor
+from gearfem.diagnosis.fitting.inexact import inexact
 from gearfem.diagnosis.fitting.marginal import WEIGHED
 from gearfem.diagnosis.fitting.point import Point
 from gearfem.diagnosis.fitting.straying import halves
 from gearfem.diagnosis.modelling.bench import Settings
 from gearfem.diagnosis.modelling.differences import one_sided
-from gearfem.diagnosis.modelling.model_form import SHAPE
 from gearfem.effects.effect import Effect
 from gearfem.foundation import UNCOMPUTABLE, Array, Record
 
@@ -35,8 +35,6 @@ DAMPING = (1e-9, 1e-3, 0.05, 3.0)
 # Steps of differences in parts of a parameter's size; and of those of an instrument, which leave the motion as it is: beside impacts in an
 # acceleration 5 ns of delay are little, 1 us is not. Ten times as long ones put derivatives over where pits lie off by half of them.
 DIFFERENCE, READ = 0.003, 0.0001
-# Unit of places and lengths along a flank or a face.
-ALONG = "mm"
 # Times that a fit is prepared anew at most, rounds of each, and times in a row that it may gain little.
 AGAIN, NEARBY, WORSE = 8, 2, 2
 
@@ -51,7 +49,7 @@ class Fit(Record):
         As fitted; none for the nuisances alone.
     deviations : tuple of dict
         Standard deviation of each parameter [SI], or of its reciprocal where that is smooth, by field, one dict for each effect: noise,
-        nuisances, model form, and see `_inexact`; without what models dispute, which is added where it is stated.
+        nuisances, model form, and see `inexact`; less than is stated of it, see `stated`.
     bound : tuple of (int, str)
         Parameters that ended at a bound: number of the effect and field.
     objective : float
@@ -161,14 +159,22 @@ def _told(problem: Problem, point: Point) -> Array:
     return np.asarray(np.sqrt(np.maximum(1.0 - doubt**2, 0.0)))
 
 
-def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: int = AGAIN, hopeless: float = np.inf) -> Fit:
+def again(
+    problem: Problem,
+    effects: tuple[Effect, ...],
+    unknown: Array,
+    times: int = AGAIN,
+    hopeless: float = np.inf,
+    weights: Array | None = None,
+) -> Fit:
     """Return the fit of effects from nuisances on, the problem prepared anew where it ends until that gains little, so many times at most.
 
     The columns of what is linear change along the way: near a resonance, and where load passes from tooth to tooth. The problem stays
-    prepared near where the fit stands that is returned. One that does not promise to come down to `hopeless` is given up as in `fit`.
+    prepared near where the fit stands that is returned. One that does not promise to come down to `hopeless` is given up as in `fit`. What
+    each record counts at first is found from 1, or goes on from weights (r,) of a fit nearby.
     """
     here = copy.copy(problem)
-    best = point = here.at(effects, here.prepare(effects, unknown))
+    best = point = here.at(effects, here.prepare(effects, unknown), weights, WEIGHED)
     there, lowest, worse = here, math.inf, 0
     least = start = here.attained(best)
     # Where a round ends that cannot be computed, those before it count.
@@ -196,10 +202,17 @@ def again(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: 
     return dataclasses.replace(found, deviations=to_a_factor(found, best.effects, problem.campaign.setup))
 
 
-def attempt(problem: Problem, effects: tuple[Effect, ...], unknown: Array, times: int = AGAIN, hopeless: float = np.inf) -> Fit | None:
+def attempt(
+    problem: Problem,
+    effects: tuple[Effect, ...],
+    unknown: Array,
+    times: int = AGAIN,
+    hopeless: float = np.inf,
+    weights: Array | None = None,
+) -> Fit | None:
     """Return what `again` finds, the problem itself left as it is; None where the model cannot be computed."""
     with contextlib.suppress(*UNCOMPUTABLE):
-        return again(copy.copy(problem), effects, unknown, times, hopeless)
+        return again(copy.copy(problem), effects, unknown, times, hopeless, weights)
     return None
 
 
@@ -288,28 +301,8 @@ def _deviations(problem: Problem, point: Point, derivatives: Array) -> tuple[dic
     scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
     inverse = np.linalg.pinv(scale[:, None] * gram * scale, rcond=1e-12, hermitian=True)
     deviation = iter(scale * np.sqrt(np.maximum(np.diag(inverse), 0.0)))
-    inexact = (_inexact(effect, problem) for effect in point.effects)
-    return tuple({field: math.hypot(float(next(deviation)), part) for field, part in parts.items()} for parts in inexact)
-
-
-def _inexact(effect: Effect, problem: Problem) -> dict[str, float]:
-    """Return how far parameters may be off by what no record tells, in coordinates in which effects are smooth.
-
-    No real effect has quite the form of its name: a tenth of what it amounts to, of depths at several places the largest one, and of how
-    far it reaches along the tooth; that much its place is off too. Nothing for how else it acts. And what the model has of it before was as
-    unknown as the nuisance, or error of the model, that does the same.
-    """
-    setup = problem.campaign.setup
-    known, largest, strengths = effect.fitted(), dict[str, float](), parameters.strengths(effect, setup)
-    lengths = {field: getattr(effect, field) for field, one in known.items() if one.unit == ALONG and not one.place}
-    for field, size in (lengths | strengths).items():
-        unit = known[field].unit
-        largest[unit] = max(largest.get(unit, 0.0), size)
-    served = [one for one in problem.stand_ins if one.serves(effect)]
-    shapes = {field: SHAPE * largest.get(one.unit, 0.0) if field in strengths or one.unit == ALONG else 0.0 for field, one in known.items()}
-    return {
-        field: math.hypot(shape, *(way.doubt(effect, field) for way in served if field in strengths)) for field, shape in shapes.items()
-    }
+    doubts = (inexact(effect, problem) for effect in point.effects)
+    return tuple({field: math.hypot(float(next(deviation)), part) for field, part in parts.items()} for parts in doubts)
 
 
 def _measure(problem: Problem, point: Point, derivatives: Array) -> tuple[Array, Array]:

@@ -47,6 +47,8 @@ class Search:
         self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
         # By columns as they were prepared.
         self._mimicked: dict[Fit, tuple[tuple[Array, ...], tuple[float, ...]]] = {}
+        # Explanations that have begun from nuisances as the model has them, and how long errors of the model stayed alike then.
+        self._neutral: set[tuple[tuple[Label, ...], bytes]] = set()
 
     @property
     def alone(self) -> Fit:
@@ -89,16 +91,20 @@ class Search:
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
         """Fit explanations again, see `again`; those that stay far off or stray, from nuisances as the model has them too.
 
-        The place that a fit descends into goes by where it began. Where one leaves far more than it promised, with columns of another
-        place, it begins where the nuisances alone stand as well: index errors that suit those columns may lead a motion elsewhere.
+        The place that a fit descends into goes by where it began. From nuisances as the model has them an explanation begins once, as long
+        as errors of the model stay alike over as many rows: it would end there again. Where one leaves far more than it promised, with
+        columns of another place, it begins where the nuisances alone stand as well: index errors that suit those columns may lead a motion
+        elsewhere. What each record counts goes along, or the fit would leave its place. Of single teeth nuisances stand still: there is no
+        other place, and where they leave far more than noise of all records, index errors take little of it unless all count at first.
         """
-        bare = self.alone.point.stood
+        bare, memory, free = self.alone.point.stood, self.problem.memory.tobytes(), self.problem.outer > 0
 
         def one(fit: Fit) -> Fit:
-            found = attempt(self.problem, fit.effects, fit.point.stood)
+            found = attempt(self.problem, fit.effects, fit.point.stood, weights=fit.point.weights if free else None)
             if found is None or near_by(self.problem, found):
                 return found or fit
-            starts = [self.problem.unknowns.neutral(fit.point.unknown)]
+            begun = not free or (label(fit.effects), memory) in self._neutral
+            starts = [] if begun else [self.problem.unknowns.neutral(fit.point.unknown)]
             if fit.effects and found.objective > fit.objective + self.problem.wander:
                 starts.append(bare)
             for start in starts:
@@ -107,6 +113,8 @@ class Search:
             return found
 
         self._renew(one, fits, progress, words)
+        again = (label(fit.effects) for fit in fits)
+        self._neutral |= {(key, memory) for key in again if not near_by(self.problem, self.fits[key])}
 
     def settle_from(self, starts: Sequence[tuple[tuple[Effect, ...], Array]], progress: Progress, words: str) -> None:
         """Fit explanations that begin far from the nuisances alone, each prepared where it begins; the better one of a kind stays."""

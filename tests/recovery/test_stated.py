@@ -1,0 +1,120 @@
+"""Standard deviations of parameters as they are stated."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gearfem.diagnosis import Diagnosis, read_campaign
+from gearfem.diagnosis.comparing import averages
+from gearfem.diagnosis.fitting.inexact import stated
+from gearfem.effects.effect import Effect
+from gearfem.effects.pitting import Pitting
+from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.support_compliance import SupportCompliance
+from gearfem.effects.torque_ripple import TorqueRipple
+from gearfem.foundation import Array, SolveError
+from gearfem.foundation.units import MM, UM
+
+NO_LOAD = 20.0 * UM
+
+
+def stands(campaign: Path, effect: Effect, does: Callable[[Any], list[float]], deviation: float = 0.0) -> dict[str, float]:
+    """Return what is stated of an effect whose parameters are known so well, and of which it is known what it does."""
+
+    def of(effects: tuple[Effect, ...]) -> Array:
+        return np.sum([does(one) for one in effects], axis=0) if effects else np.zeros(2)
+
+    problem: Any = SimpleNamespace(
+        campaign=read_campaign(campaign),
+        stand_ins=(),
+        change=lambda point, effects, stood: of(effects) - of(point.effects),
+        response=lambda point, others: of(point.effects) - of(others),
+        freed=lambda point: lambda vectors: (vectors.T @ vectors, None),
+    )
+    fit: Any = SimpleNamespace(
+        effects=(effect,),
+        deviations=(dict.fromkeys(effect.fitted(), deviation),),
+        point=SimpleNamespace(effects=(effect,), stood=np.zeros(1)),
+    )
+    (found,) = stated(problem, fit)
+    return found
+
+
+def test_what_acts_in_proportion_is_known_to_a_tenth_or_as_records_tell_it(campaign: Path) -> None:
+    slope = ProfileSlope(gear="wheel", amount=-8.0 * UM)
+    for deviation, ends in ((0.1 * UM, 0.8 * UM), (3.0 * UM, 3.0 * UM)):
+        found = stands(campaign, slope, lambda one: [one.amount, 2.0 * one.amount], deviation)
+        assert found == {"amount": pytest.approx(ends, rel=1e-9, abs=0.0)}
+
+
+def test_a_pit_that_takes_all_load_off_its_part_of_a_flank_may_be_deeper(campaign: Path) -> None:
+    """What it does goes by its depth until that is much more than the flanks approach; where it lies stays known."""
+    shares = []
+    for depth in (2.0 * UM, 60.0 * UM):
+        pit = Pitting(gear="pinion", tooth=3, depth=depth, centre=7.0 * MM, width=1.5 * MM)
+        found = stands(
+            campaign, pit, lambda one: [1.0 - math.exp(-one.depth / NO_LOAD), one.centre / MM - 7.0 + one.width / MM - 1.5], 1e-9
+        )
+        shares.append(found["depth"] / depth)
+    # Nearly in proportion; and 0.1 (1 - e^-3) / (e^-1.5 - e^-3) of half.
+    assert shares == pytest.approx([0.1, 0.05 * (1.0 - math.exp(-3.0)) / (math.exp(-1.5) - math.exp(-3.0))], rel=0.06)
+
+
+def test_two_supports_that_do_nearly_the_same_are_known_by_what_they_do_together(campaign: Path) -> None:
+    supports = SupportCompliance(pinion=2e-9, wheel=3e-9)
+    found = stands(campaign, supports, lambda one: [one.pinion + one.wheel, 0.05 * (one.pinion - one.wheel)])
+    # Any tenth of what they do, as it shifts the solution of two equations.
+    solved = np.linalg.inv(np.array([[1.0, 1.0], [0.05, -0.05]]))
+    off = 0.1 * math.hypot(5e-9, 0.05 * 1e-9) * np.linalg.norm(solved, axis=1)
+    assert [found["pinion"], found["wheel"]] == pytest.approx(off.tolist(), rel=1e-6)
+    assert found["pinion"] > 2e-9
+
+
+@pytest.mark.parametrize("often", [1.0, 90.0], ids=["as it is", "in motions whose flanks part"])
+def test_where_a_wave_begins_is_known_to_a_tenth_of_a_radian(campaign: Path, often: float) -> None:
+    """Even where records seem to tell it to a thousandth."""
+
+    def does(one: TorqueRipple) -> list[float]:
+        return [one.amplitude * math.cos(often * one.phase), one.amplitude * math.sin(often * one.phase)]
+
+    found = stands(campaign, TorqueRipple(gear="pinion", order=2, amplitude=5.0, phase=0.4), does, 1e-3)
+    assert found["phase"] == 0.1
+    assert found["amplitude"] == pytest.approx(0.5, rel=0.01) if often == 1.0 else found["amplitude"] > 0.5
+
+
+def test_what_cannot_be_computed_leaves_what_is_known(campaign: Path) -> None:
+    def fails(one: Effect) -> list[float]:
+        raise SolveError("no further")
+
+    assert stands(campaign, ProfileSlope(gear="wheel", amount=8.0 * UM), fails, 0.2 * UM) == {"amount": 0.2 * UM}
+
+
+def test_a_depth_that_was_halved_is_known_to_a_factor_beside_what_all_teeth_have_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fit of all records row by row goes no round on, and halves nothing."""
+    known = ({"depth": 0.33 * 60.0 * UM},)
+    teeth = SimpleNamespace(prepare=lambda effects, unknown: unknown, fit=lambda *_, rounds: _Stands(({"depth": 6.0 * UM},)))
+    monkeypatch.setattr(averages, "of_single_teeth", lambda *_: teeth)
+    monkeypatch.setattr(averages, "stand", lambda problem, means, rows, single: single)
+    means: Any = SimpleNamespace(settings=None, effects=())
+    single: Any = SimpleNamespace(effects=(), point=SimpleNamespace(stood=np.zeros(2)), deviations=known)
+    nothing: Any = None
+    assert averages.whole(nothing, means, single).deviations == known
+
+
+@dataclasses.dataclass(frozen=True)
+class _Stands:
+    deviations: tuple[dict[str, float], ...]
+
+
+def test_a_diagnosis_states_no_less_than_its_fit_knows(found: Diagnosis) -> None:
+    for effect, fitted, said in zip(found.naming.fit.effects, found.naming.fit.deviations, found.deviations, strict=True):
+        assert set(said) == set(effect.fitted())
+        assert all(said[field] >= fitted[field] > 0.0 for field in said)
