@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis import Diagnosis
-from gearfem.diagnosis.fitting.fit import Fit, _inexact
+from gearfem.diagnosis.fitting.fit import Fit
+from gearfem.diagnosis.fitting.inexact import inexact
 from gearfem.diagnosis.fitting.index_errors import odd_of, turns_often, uneven, waves_of
 from gearfem.diagnosis.fitting.parameters import at_bounds, overdone
 from gearfem.diagnosis.fitting.problem import Problem
@@ -62,7 +63,7 @@ def test_what_is_missing_all_over_has_no_form(found: Diagnosis) -> None:
 def test_a_frequency_is_in_doubt_by_a_tenth_too(found: Diagnosis) -> None:
     """It is smooth in its reciprocal, in which the doubt is."""
     effect = SensorResonance(frequency=1200.0, ratio=0.1)
-    doubt = _inexact(effect, found.problem)
+    doubt = inexact(effect, found.problem)
     assert stderr(effect, "frequency", doubt["frequency"]) == pytest.approx(120.0, rel=1e-9, abs=0.0)
     assert doubt["ratio"] == 0.0
 
@@ -70,7 +71,7 @@ def test_a_frequency_is_in_doubt_by_a_tenth_too(found: Diagnosis) -> None:
 def test_half_a_lead_is_disputed_between_models(found: Diagnosis) -> None:
     """It is stated, and does not count against the name: a lead that is told from none by the data stays so."""
     effect = LeadMisalignment(slope=-10.0 * UM)
-    doubt = _inexact(effect, found.problem)["slope"]
+    doubt = inexact(effect, found.problem)["slope"]
     assert doubt < 2.5 * UM
     assert stderr(effect, "slope", doubt) == pytest.approx(math.hypot(5.0, doubt / UM), rel=1e-9, abs=0.0)
 
@@ -78,13 +79,13 @@ def test_half_a_lead_is_disputed_between_models(found: Diagnosis) -> None:
 def test_place_and_length_are_in_doubt_by_a_tenth_of_the_length(found: Diagnosis) -> None:
     """A ragged pit ends nowhere in particular, and a rounded relief not where a straight one begins."""
     pit = Pitting(gear="pinion", tooth=1, depth=20.0 * UM, centre=9.0 * MM, width=3.0 * MM)
-    assert _inexact(pit, found.problem) == {
+    assert inexact(pit, found.problem) == {
         "depth": pytest.approx(2.0 * UM, rel=1e-9, abs=0.0),
         "centre": pytest.approx(0.3 * MM, rel=1e-9, abs=0.0),
         "width": pytest.approx(0.3 * MM, rel=1e-9, abs=0.0),
     }
     relief = TipRelief(gear="pinion", amount=10.0 * UM, length=2.0 * MM)
-    assert _inexact(relief, found.problem)["length"] == pytest.approx(0.2 * MM, rel=1e-9, abs=0.0)
+    assert inexact(relief, found.problem)["length"] == pytest.approx(0.2 * MM, rel=1e-9, abs=0.0)
 
 
 @pytest.mark.parametrize(("scale", "least", "most"), [(1.3, 0.99, 1.6), (3.0, 0.05, 0.4)])
