@@ -13,8 +13,8 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis
 from gearfem.diagnosis.fitting.fit import Fit
-from gearfem.diagnosis.fitting.inexact import inexact
 from gearfem.diagnosis.fitting.index_errors import odd_of, turns_often, uneven, waves_of
+from gearfem.diagnosis.fitting.inexact import inexact
 from gearfem.diagnosis.fitting.parameters import at_bounds, overdone
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import label, stays
