@@ -14,6 +14,7 @@ from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.naming.name import name
 from gearfem.diagnosis.naming.search import Search
 from gearfem.diagnosis.naming.select import _concluded, _settled_hopeless
+from gearfem.foundation import Array
 from gearfem.foundation.progress import quiet
 
 
@@ -49,13 +50,14 @@ def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alon
 ) -> None:
     """Places are numbers here: 0 is where the model has all nuisances, 1 where the first fit stood, 5 where nuisances alone do."""
     module = sys.modules[Search.__module__]
-    leaves, tried = {1.0: stood, 0.0: stood + 1.0, 5.0: 90.0}, list[float]()
+    leaves, tried, counting = {1.0: stood, 0.0: stood + 1.0, 5.0: 90.0}, list[float](), list[object]()
 
     def point(unknown: float, at: float) -> Any:
         return SimpleNamespace(unknown=unknown, stood=at, weights=np.ones(2))
 
-    def attempt(problem: object, effects: tuple[str, ...], place: float, **_: float) -> Any:
+    def attempt(problem: object, effects: tuple[str, ...], place: float, weights: Array | None = None, **_: float) -> Any:
         tried.append(place)
+        counting.append(weights)
         return SimpleNamespace(effects=effects, objective=leaves[place], point=point(place, place))
 
     monkeypatch.setattr(module, "attempt", attempt)
@@ -69,12 +71,39 @@ def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alon
     search.settle([promised], quiet, "again")
     assert search.fits[("pit",)].objective == ends  # type: ignore[index]
     assert tried == begun
-    # It would end there again; where errors of the model stay alike for longer it would not.
+    # What records count goes along from where the fit stood, and to no other place.
+    assert [one is promised.point.weights for one in counting] == [place == 1.0 for place in begun]
+    # It has begun there; where errors of the model stay alike for longer it has not.
     search.settle([promised], quiet, "these again")
     assert tried == [*begun, *(place for place in begun if place)]
     problem.memory = np.full(2, 4.0)
     search.settle([promised], quiet, "rivals again")
     assert tried[-len(begun) :] == begun
+    # Of single teeth nuisances stand still.
+    problem.outer, problem.memory = 0, np.full(2, 5.0)
+    tried.clear()
+    search.settle([promised], quiet, "single teeth again")
+    assert tried == [place for place in begun if place]
+    assert counting[-len(tried)] is None
+
+
+def test_what_cannot_be_computed_where_it_stands_begins_from_nuisances_as_the_model_has_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    module, tried = sys.modules[Search.__module__], list[float]()
+
+    def attempt(problem: object, effects: object, place: float, **_: object) -> None:
+        tried.append(place)
+
+    monkeypatch.setattr(module, "attempt", attempt)
+    monkeypatch.setattr(module, "near_by", lambda problem, fit: False)
+    monkeypatch.setattr(module, "counted", lambda work, items, *_: map(work, items))
+    monkeypatch.setattr(module, "label", lambda effects: effects)
+    problem = SimpleNamespace(wander=40.0, memory=np.ones(2), outer=3, unknowns=SimpleNamespace(neutral=lambda unknown: 0.0))
+    point = SimpleNamespace(unknown=2.0, stood=1.0, weights=np.ones(2))
+    fit = cast(Fit, SimpleNamespace(effects=("pit",), objective=100.0, point=point))
+    search = Search(cast(Problem, problem), fit)
+    search.settle([fit], quiet, "again")
+    assert tried == [1.0, 0.0]
+    assert search.fits[("pit",)] is fit  # type: ignore[index]
 
 
 def test_rivals_fitted_again_know_where_nuisances_alone_stand(monkeypatch: pytest.MonkeyPatch) -> None:

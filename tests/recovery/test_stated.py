@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +15,9 @@ import pytest
 
 from gearfem.diagnosis import Diagnosis, read_campaign
 from gearfem.diagnosis.comparing import averages
-from gearfem.diagnosis.fitting.inexact import stated
+from gearfem.diagnosis.fitting import parameters
+from gearfem.diagnosis.fitting.inexact import inexact, stated
+from gearfem.diagnosis.write import write_diagnosis
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
@@ -27,7 +30,7 @@ NO_LOAD = 20.0 * UM
 
 
 def stands(campaign: Path, effect: Effect, does: Callable[[Any], list[float]], deviation: float = 0.0) -> dict[str, float]:
-    """Return what is stated of an effect whose parameters are known so well, and of which it is known what it does."""
+    """Return what is stated of an effect of which it is known what it does, and its parameters as well but for its form."""
 
     def of(effects: tuple[Effect, ...]) -> Array:
         return np.sum([does(one) for one in effects], axis=0) if effects else np.zeros(2)
@@ -39,20 +42,21 @@ def stands(campaign: Path, effect: Effect, does: Callable[[Any], list[float]], d
         response=lambda point, others: of(point.effects) - of(others),
         freed=lambda point: lambda vectors: (vectors.T @ vectors, None),
     )
+    known = {field: math.hypot(deviation, form) for field, form in inexact(effect, problem).items()}
     fit: Any = SimpleNamespace(
         effects=(effect,),
-        deviations=(dict.fromkeys(effect.fitted(), deviation),),
+        deviations=(known,),
         point=SimpleNamespace(effects=(effect,), stood=np.zeros(1)),
     )
     (found,) = stated(problem, fit)
     return found
 
 
-def test_what_acts_in_proportion_is_known_to_a_tenth_or_as_records_tell_it(campaign: Path) -> None:
+def test_what_acts_in_proportion_is_known_to_a_tenth_beside_what_records_tell(campaign: Path) -> None:
     slope = ProfileSlope(gear="wheel", amount=-8.0 * UM)
-    for deviation, ends in ((0.1 * UM, 0.8 * UM), (3.0 * UM, 3.0 * UM)):
+    for deviation in (0.1 * UM, 3.0 * UM):
         found = stands(campaign, slope, lambda one: [one.amount, 2.0 * one.amount], deviation)
-        assert found == {"amount": pytest.approx(ends, rel=1e-9, abs=0.0)}
+        assert found == {"amount": pytest.approx(math.hypot(deviation, 0.8 * UM), rel=1e-3, abs=0.0)}
 
 
 def test_a_pit_that_takes_all_load_off_its_part_of_a_flank_may_be_deeper(campaign: Path) -> None:
@@ -74,8 +78,17 @@ def test_two_supports_that_do_nearly_the_same_are_known_by_what_they_do_together
     # Any tenth of what they do, as it shifts the solution of two equations.
     solved = np.linalg.inv(np.array([[1.0, 1.0], [0.05, -0.05]]))
     off = 0.1 * math.hypot(5e-9, 0.05 * 1e-9) * np.linalg.norm(solved, axis=1)
-    assert [found["pinion"], found["wheel"]] == pytest.approx(off.tolist(), rel=1e-6)
+    assert [found["pinion"], found["wheel"]] == pytest.approx(off.tolist(), rel=0.05)
     assert found["pinion"] > 2e-9
+
+
+@pytest.mark.parametrize("apart", [1e-5, 1e-8, 0.0])
+def test_what_nothing_tells_of_two_supports_may_be_anything_that_can_be(campaign: Path, apart: float) -> None:
+    supports = SupportCompliance(pinion=2e-9, wheel=3e-9)
+    found = stands(campaign, supports, lambda one: [one.pinion + one.wheel, apart * (one.pinion - one.wheel)])
+    low, high = parameters.bounds((supports,), read_campaign(campaign).setup)
+    # Their sum is known, so that both are off together.
+    assert [found["pinion"], found["wheel"]] == pytest.approx(((high - low) / math.sqrt(2.0)).tolist(), rel=0.02)
 
 
 @pytest.mark.parametrize("often", [1.0, 90.0], ids=["as it is", "in motions whose flanks part"])
@@ -86,7 +99,7 @@ def test_where_a_wave_begins_is_known_to_a_tenth_of_a_radian(campaign: Path, oft
         return [one.amplitude * math.cos(often * one.phase), one.amplitude * math.sin(often * one.phase)]
 
     found = stands(campaign, TorqueRipple(gear="pinion", order=2, amplitude=5.0, phase=0.4), does, 1e-3)
-    assert found["phase"] == 0.1
+    assert found["phase"] == pytest.approx(0.1, rel=1e-3)
     assert found["amplitude"] == pytest.approx(0.5, rel=0.01) if often == 1.0 else found["amplitude"] > 0.5
 
 
@@ -94,7 +107,7 @@ def test_what_cannot_be_computed_leaves_what_is_known(campaign: Path) -> None:
     def fails(one: Effect) -> list[float]:
         raise SolveError("no further")
 
-    assert stands(campaign, ProfileSlope(gear="wheel", amount=8.0 * UM), fails, 0.2 * UM) == {"amount": 0.2 * UM}
+    assert stands(campaign, ProfileSlope(gear="wheel", amount=8.0 * UM), fails, 0.2 * UM) == {"amount": math.hypot(0.2 * UM, 0.8 * UM)}
 
 
 def test_a_depth_that_was_halved_is_known_to_a_factor_beside_what_all_teeth_have_too(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -114,7 +127,19 @@ class _Stands:
     deviations: tuple[dict[str, float], ...]
 
 
-def test_a_diagnosis_states_no_less_than_its_fit_knows(found: Diagnosis) -> None:
-    for effect, fitted, said in zip(found.naming.fit.effects, found.naming.fit.deviations, found.deviations, strict=True):
-        assert set(said) == set(effect.fitted())
-        assert all(said[field] >= fitted[field] > 0.0 for field in said)
+def test_a_diagnosis_states_what_its_fit_knows_and_the_form(found: Diagnosis, tmp_path: Path) -> None:
+    """Of a relief, amount and length of which do much of the same, a tenth of what it does; and that is what is written."""
+    (effect,), (fitted,), (said,) = found.naming.fit.effects, found.naming.fit.deviations, found.deviations
+    assert set(said) == set(fitted) == set(effect.fitted())
+    assert all(said[field] >= fitted[field] > 0.0 for field in said)
+    (form,) = stated(found.problem, dataclasses.replace(found.naming.fit, deviations=(dict.fromkeys(fitted, 0.0),)))
+    counted = inexact(effect, found.problem)
+    misled = {field: math.hypot(form[field], counted[field]) for field in form}
+    assert all(counted[field] < misled[field] < 5.0 * counted[field] for field in misled), misled
+    wide = dataclasses.replace(found, deviations=({field: 2.0 * one for field, one in said.items()},))
+    errors = []
+    for number, one in enumerate((found, wide)):
+        write_diagnosis(one, tmp_path / str(number))
+        written = json.loads((tmp_path / str(number) / "diagnosis.json").read_text())["effects"][0]["parameters"]
+        errors.append([written[effect.key(field)]["stderr"] for field in said])
+    assert np.array(errors[1]) == pytest.approx(2.0 * np.array(errors[0]))

@@ -240,7 +240,9 @@ def whole(problem: Problem, means: Fit, single: Fit) -> Fit:
     teeth = of_single_teeth(problem, means.settings, means.effects)
     found = teeth.fit(single.effects, teeth.prepare(single.effects, single.point.stood), rounds=0)
     # What has been halved is known to a factor still.
-    return stand(problem, means, teeth, dataclasses.replace(found, deviations=single.deviations))
+    known = zip(found.deviations, single.deviations, strict=True)
+    deviations = tuple({field: max(here, before[field]) for field, here in one.items()} for one, before in known)
+    return stand(problem, means, teeth, dataclasses.replace(found, deviations=deviations))
 
 
 def without_single(problem: Problem, fit: Fit) -> Fit:

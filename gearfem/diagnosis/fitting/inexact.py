@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gearfem.definition.setup import Setup
 from gearfem.diagnosis.fitting import parameters
 from gearfem.diagnosis.modelling.model_form import SHAPE
 from gearfem.effects.effect import Effect
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from gearfem.diagnosis.fitting.problem import Problem
 
 # Units of places and lengths along a flank or a face, and of where a wave begins.
-ALONG, TURNED = "mm", "rad"
+ALONG, TURNED = "mm", ("rad", "deg")
 
 
 def inexact(effect: Effect, problem: Problem) -> dict[str, float]:
@@ -59,46 +60,58 @@ def stated(problem: Problem, fit: Fit) -> tuple[dict[str, float], ...]:
 
     Notes
     -----
-    If a tenth of what an effect does has another form than its name says, parameters are off by more than a tenth where what it does hardly
-    goes by them, or where two of them do nearly the same: how deep a pit is that bears no load, how a pit is wide or deep, which of two
-    supports yields. So that much counts as if it were of the form that misleads a parameter most, all nuisances free. Amounts are judged
-    over half of themselves, since effects saturate; where a wave begins is off by as much of a radian.
+    If a tenth of what an effect does has another form than its name says, a parameter is off by more than a tenth where what the effect
+    does hardly goes by it, or where another one does nearly the same: how deep a pit is that bears no load, how a pit is wide or deep,
+    which of two supports yields. So that much counts as if it were of the form that misleads the parameter most, within its bounds, all
+    nuisances and the parameters of all effects free. Amounts are judged over half of themselves, since effects saturate; where a wave
+    begins is off by as much of a radian.
     """
-    point, found = fit.point, list[dict[str, float]]()
-    for number, (effect, least) in enumerate(zip(fit.effects, fit.deviations, strict=True)):
-        loose = {field: SHAPE for field, known in effect.fitted().items() if known.unit == TURNED}
-        with contextlib.suppress(*UNCOMPUTABLE, np.linalg.LinAlgError):
-            loose |= {field: far for field, far in _misled(problem, point, number).items() if field not in loose}
-        found.append({field: max(deviation, loose.get(field, 0.0)) for field, deviation in least.items()})
+    if not fit.effects:
+        return ()
+    misled = [dict.fromkeys(effect.fitted(), 0.0) for effect in fit.effects]
+    with contextlib.suppress(*UNCOMPUTABLE):
+        misled = _misled(problem, fit.point)
+    found = []
+    for effect, fitted, off in zip(fit.effects, fit.deviations, misled, strict=True):
+        waves = (field for field, known in effect.fitted().items() if known.unit in TURNED and field not in effect.strengths())
+        form, counted = off | dict.fromkeys(waves, SHAPE), inexact(effect, problem)
+        found.append({field: math.sqrt(known**2 + max(form[field] ** 2 - counted[field] ** 2, 0.0)) for field, known in fitted.items()})
     return tuple(found)
 
 
-def _misled(problem: Problem, point: Point, number: int) -> dict[str, float]:
-    """Return how far each parameter of an effect of a point is off, by field, if a tenth of what it does misleads that most."""
-    effect = point.effects[number]
-    before, after = point.effects[:number], point.effects[number + 1 :]
-    here = parameters.values((effect,))
-    columns = []
-    for place, to in enumerate(_elsewhere(effect, problem)):
+def _misled(problem: Problem, point: Point) -> list[dict[str, float]]:
+    """Return how far each parameter is off, by field, one dict for each effect, if a tenth of what this does misleads that most."""
+    effects, setup = point.effects, problem.campaign.setup
+    here, columns = parameters.values(effects), []
+    for place, to in enumerate(_elsewhere(effects, setup)):
         there = here.copy()
         there[place] = to
-        moved = problem.change(point, (*before, *parameters.moved((effect,), there), *after), point.stood)
-        columns.append(moved / (to - here[place]))
-    gram, _ = problem.freed(point)(np.column_stack([*columns, problem.response(point, (*before, *after))]))
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    inverse = np.linalg.pinv(scale[:-1, None] * gram[:-1, :-1] * scale[:-1], rcond=1e-12, hermitian=True)
-    off = SHAPE / scale[-1] * scale[:-1] * np.sqrt(np.maximum(np.diag(inverse), 0.0))
-    return dict(zip(effect.fitted(), off.tolist(), strict=True))
+        columns.append(problem.change(point, parameters.moved(effects, there), point.stood) / (to - here[place]))
+    columns += [problem.response(point, (*effects[:number], *effects[number + 1 :])) for number in range(len(effects))]
+    gram, _ = problem.freed(point)(np.column_stack(columns))
+    # In parts of their range, which bounds how far they may be off.
+    low, high = parameters.bounds(effects, setup)
+    own, span = gram[: here.size, : here.size], high - low
+    causes = parameters.unlikely_slopes(effects, setup) if parameters.unlikely(effects).size else np.zeros((1, here.size))
+    found, first = [], 0
+    for effect, square in zip(effects, np.diag(gram)[here.size :], strict=True):
+        precision = own / max(SHAPE**2 * square, 1e-300) + causes.T @ causes
+        inverse = np.linalg.inv(span[:, None] * precision * span + np.eye(here.size))
+        off = span * np.sqrt(np.maximum(np.diag(inverse), 0.0))
+        last = first + len(effect.fitted())
+        found.append(dict(zip(effect.fitted(), off[first:last].tolist(), strict=True)))
+        first = last
+    return found
 
 
-def _elsewhere(effect: Effect, problem: Problem) -> Array:
-    """Return to where each parameter of an effect is moved to see what it does: amounts to half, others by a tenth of what is typical."""
-    setup, here, to = problem.campaign.setup, parameters.values((effect,)), []
-    steps, most, strengths = SHAPE * parameters.sizes((effect,), setup), parameters.bounds((effect,), setup)[1], effect.strengths()
-    for (field, known), value, step, high in zip(effect.fitted().items(), here, steps, most, strict=True):
-        rest = known.coordinate(known.at_rest(setup, effect.member)) if field in strengths else value
-        if abs(value - rest) > step:
-            to.append(0.5 * (value + rest))
-        else:
-            to.append(value + step if value + step <= high else value - step)
-    return np.array(to)
+def _elsewhere(effects: tuple[Effect, ...], setup: Setup) -> Array:
+    """Return to where each parameter is moved to see what it does, shape (p,): amounts to half, others by a tenth of what is typical."""
+    steps, most = SHAPE * parameters.sizes(effects, setup), parameters.bounds(effects, setup)[1]
+    rest = [
+        known.coordinate(known.at_rest(setup, effect.member)) if field in effect.strengths() else math.nan
+        for effect in effects
+        for field, known in effect.fitted().items()
+    ]
+    here = parameters.values(effects)
+    beside = np.where(here + steps <= most, here + steps, here - steps)
+    return np.where(np.abs(here - rest) > steps, 0.5 * (here + rest), beside)

@@ -91,18 +91,19 @@ class Search:
     def settle(self, fits: Sequence[Fit], progress: Progress, words: str) -> None:
         """Fit explanations again, see `again`; those that stay far off or stray, from nuisances as the model has them too.
 
-        The place that a fit descends into goes by where it began. From nuisances as the model has them an explanation begins once, as long
-        as errors of the model stay alike over as many rows: it would end there again. Where one leaves far more than it promised, with
-        columns of another place, it begins where the nuisances alone stand as well: index errors that suit those columns may lead a motion
-        elsewhere. What each record counts goes along, or the fit would leave its place. Of single teeth nuisances stand still: there is no
-        other place, and where they leave far more than noise of all records, index errors take little of it unless all count at first.
+        The place that a fit descends into goes by where it began. From nuisances as the model has them an explanation begins once, as
+        long as errors of the model stay alike over as many rows: later it would leave its place for one where it has been. Where one leaves
+        far more than it promised, with columns of another place, it begins where the nuisances alone stand as well: index errors that suit
+        those columns may lead a motion elsewhere. What each record counts goes along, or a fit would leave its place. Of single teeth
+        nuisances stand still: there is no other place, and where they leave far more than noise of all records, index errors take little
+        of it unless all count at first.
         """
         bare, memory, free = self.alone.point.stood, self.problem.memory.tobytes(), self.problem.outer > 0
 
         def one(fit: Fit) -> Fit:
-            found = attempt(self.problem, fit.effects, fit.point.stood, weights=fit.point.weights if free else None)
-            if found is None or near_by(self.problem, found):
-                return found or fit
+            found = attempt(self.problem, fit.effects, fit.point.stood, weights=fit.point.weights if free else None) or fit
+            if near_by(self.problem, found):
+                return found
             begun = not free or (label(fit.effects), memory) in self._neutral
             starts = [] if begun else [self.problem.unknowns.neutral(fit.point.unknown)]
             if fit.effects and found.objective > fit.objective + self.problem.wander:
