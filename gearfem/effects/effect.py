@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import dataclasses
 import math
+import numbers
 from collections.abc import Callable
 from typing import Any, ClassVar, Literal, Self, TypeAlias, TypeVar, cast, get_args
 
@@ -70,23 +71,37 @@ class Parameter:
 
     def bounds(self, setup: Setup, member: Member) -> tuple[float, float]:
         """Return both bounds for a gear of a pair."""
-        return _size(self.low, setup, member), _size(self.high, setup, member)
+        return self._size(self.low, setup, member), self._size(self.high, setup, member)
 
     def typically(self, setup: Setup, member: Member) -> float:
         """Return the typical value for a gear of a pair, within the bounds."""
         low, high = self.bounds(setup, member)
-        return min(max(_size(self.typical, setup, member), low), high)
+        return min(max(self._size(self.typical, setup, member), low), high)
 
     def at_rest(self, setup: Setup, member: Member) -> float:
         """Return the neutral value; only for parameters that have one."""
         assert self.neutral is not None
-        return _size(self.neutral, setup, member)
+        return self._size(self.neutral, setup, member)
 
     def coordinate(self, value: float) -> float:
         """Return what the effect is smooth in: the value, or its reciprocal; `value` is its own inverse."""
         return 1.0 / value if self.reciprocal and value != 0.0 else (math.inf if self.reciprocal else value)
 
     value = coordinate
+
+    def _size(self, size: Size, setup: Setup, member: Member) -> float:
+        """Return a size of this parameter for a gear of a pair; raises EffectError if the function that gives it fails."""
+        if not callable(size):
+            return size
+        try:
+            found = size(setup, member)
+        except (*UNCOMPUTABLE, MemoryError):
+            raise
+        except Exception as error:
+            raise EffectError(f'effect parameter "{self.words}": its size fails with {type(error).__name__} ({error})') from error
+        if not isinstance(found, numbers.Real) or math.isnan(found):
+            raise EffectError(f'effect parameter "{self.words}": its size is {found!r:.40}, no number')
+        return float(found)
 
 
 def parameter(
@@ -106,10 +121,6 @@ def parameter(
         words=words, unit=unit, low=low, high=high, typical=typical, neutral=neutral, reciprocal=reciprocal, place=place, whole=whole
     )
     return dataclasses.field(metadata={"parameter": declared})
-
-
-def _size(size: Size, setup: Setup, member: Member) -> float:
-    return size(setup, member) if callable(size) else size
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -58,7 +58,7 @@ def not_utf8(error: UnicodeDecodeError, kind: str, file: str) -> InputError:
 
 
 class EffectError(Exception):
-    """An effect whose `act` fails; the message names it. Unlike a place without a model it is never passed over in a search."""
+    """An effect whose code fails; the message names it. Unlike a place without a model it is never passed over in a search."""
 
 
 class SolveError(RuntimeError):

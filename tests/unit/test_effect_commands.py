@@ -149,6 +149,29 @@ def test_files_and_classes_that_are_no_effects_are_refused(tmp_path):
     ],
 )
 def test_an_effect_of_ones_own_that_fails_is_named_in_one_line(tmp_path, code, words):
+    line, status = _run_with_own(tmp_path, code, "1.0")
+    assert line.startswith('error: effect "deaf": ')
+    assert words in line
+    assert status == (1 if "number" in words else 2)
+
+
+@pytest.mark.parametrize(
+    ("high", "words"),
+    [
+        ("lambda setup, member: setup.no_such_thing", "its size fails with AttributeError"),
+        ("lambda setup: 1.0", "its size fails with TypeError"),
+        ("lambda setup, member: float('nan')", "its size is nan, no number"),
+        ("lambda setup, member: None", "its size is None, no number"),
+    ],
+)
+def test_a_bound_of_ones_own_that_fails_is_named_in_one_line(tmp_path, high, words):
+    line, status = _run_with_own(tmp_path, "return flanks", high)
+    assert line.startswith(f'error: effect parameter "share of the sound": {words}')
+    assert status == 2
+
+
+def _run_with_own(tmp_path, code, high):
+    """Run a model with an effect whose act is of this code and whose largest share is this one; return what is said, and the status."""
     (tmp_path / "own.py").write_text(f"""import dataclasses
 from gearfem.effects.effect import Effect, parameter
 
@@ -160,7 +183,7 @@ class Deaf(Effect):
     repeats = "every tooth"
     sentence = "The instrument hears {{share}}."
     source = "none"
-    share: float = parameter("share", low=0.0, high=1.0, typical=0.5, neutral=0.0)
+    share: float = parameter("share of the sound", low=0.0, high={high}, typical=0.5, neutral=0.0)
 
     def act(self, flanks, setup):
         {code}
@@ -169,7 +192,5 @@ class Deaf(Effect):
     words_of = ["run", str(tmp_path / "model.toml"), "--effects", str(tmp_path / "own.py"), "--out", str(tmp_path / "out")]
     result = CliRunner().invoke(main, words_of)
     (line,) = result.output.splitlines()
-    assert line.startswith('error: effect "deaf": ')
-    assert words in line
-    assert result.exit_code == (1 if "number" in words else 2)
     assert not (tmp_path / "out").exists()
+    return line, result.exit_code
