@@ -144,6 +144,8 @@ class Effect(Record, abc.ABC):
     disputed : float
         Share of its strengths, 0 without it, by which models in use of the same thing differ: a diagnosis states it with what it names,
         since no record tells which is right.
+    form : float
+        Part of what it does that a real one may do in another form than this: so much wider a diagnosis states its parameters.
     sentence : str
         For reports; keys of model files in braces are filled in.
     reverse : str
@@ -159,6 +161,7 @@ class Effect(Record, abc.ABC):
     either_gear: ClassVar[bool] = False
     replaces: ClassVar[bool] = False
     disputed: ClassVar[float] = 0.0
+    form: ClassVar[float] = 0.1
     sentence: ClassVar[str]
     reverse: ClassVar[str] = ""
     source: ClassVar[str]

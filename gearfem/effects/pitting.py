@@ -13,6 +13,9 @@ from gearfem.effects.roll import of_flank, up_flank
 from gearfem.flank import Flanks
 from gearfem.foundation import Array
 
+# Of a hollow with a flat bottom and steep ends the best bell, 1.7 times as wide, leaves 9 % of the squares.
+FORM = 0.3
+
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Pitting(Effect):
@@ -22,6 +25,7 @@ class Pitting(Effect):
     stage = "flank"
     repeats = "one tooth"
     history = "worn"
+    form = FORM
     sentence = "Pitting on tooth {tooth} of the {gear}: {depth_um} um deep over {width_mm} mm of roll length around {centre_mm} mm"
     source = "ISO 10825, pitting; the bell is an idealisation"
 

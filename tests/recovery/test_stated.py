@@ -68,8 +68,17 @@ def test_a_pit_that_takes_all_load_off_its_part_of_a_flank_may_be_deeper(campaig
             campaign, pit, lambda one: [1.0 - math.exp(-one.depth / NO_LOAD), one.centre / MM - 7.0 + one.width / MM - 1.5], 1e-9
         )
         shares.append(found["depth"] / depth)
-    # Nearly in proportion; and 0.1 (1 - e^-3) / (e^-1.5 - e^-3) of half.
-    assert shares == pytest.approx([0.1, 0.05 * (1.0 - math.exp(-3.0)) / (math.exp(-1.5) - math.exp(-3.0))], rel=0.06)
+    # Nearly in proportion; and 0.3 (1 - e^-3) / (e^-1.5 - e^-3) of half.
+    assert shares == pytest.approx([0.3, 0.15 * (1.0 - math.exp(-3.0)) / (math.exp(-1.5) - math.exp(-3.0))], rel=0.06)
+
+
+def test_of_a_hollow_with_a_flat_bottom_the_best_bell_leaves_as_much_as_is_stated() -> None:
+    x = np.linspace(-2.0, 2.0, 4001)
+    flat = (np.abs(x) <= 0.5).astype(float)
+    bells = [0.5 + 0.5 * np.cos(2.0 * np.pi * np.clip(x / width, -0.5, 0.5)) for width in np.arange(1.0, 3.0, 0.05)]
+    left = [1.0 - (flat @ bell) ** 2 / (bell @ bell) / (flat @ flat) for bell in bells]
+    assert 1.0 + 0.05 * int(np.argmin(left)) == pytest.approx(1.7, abs=0.06)
+    assert math.sqrt(min(left)) == pytest.approx(Pitting.form, rel=0.05)
 
 
 def test_two_supports_that_do_nearly_the_same_are_known_by_what_they_do_together(campaign: Path) -> None:

@@ -60,11 +60,11 @@ def stated(problem: Problem, fit: Fit) -> tuple[dict[str, float], ...]:
 
     Notes
     -----
-    If a tenth of what an effect does has another form than its name says, a parameter is off by more than a tenth where what the effect
-    does hardly goes by it, or where another one does nearly the same: how deep a pit is that bears no load, how a pit is wide or deep,
-    which of two supports yields. So that much counts as if it were of the form that misleads the parameter most, within its bounds, all
-    nuisances and the parameters of all effects free. Amounts are judged over half of themselves, since effects saturate; where a wave
-    begins is off by as much of a radian.
+    If a part of what an effect does, `Effect.form`, has another form than its name says, a parameter is off by more than that where what
+    the effect does hardly goes by it, or where another one does nearly the same: how deep a pit is that bears no load, how a pit is wide
+    or deep, which of two supports yields. So that much counts as if it were of the form that misleads the parameter most, within its
+    bounds, all nuisances and the parameters of all effects free. Amounts are judged over half of themselves, since effects saturate; where
+    a wave begins is off by a tenth of a radian.
     """
     if not fit.effects:
         return ()
@@ -80,7 +80,7 @@ def stated(problem: Problem, fit: Fit) -> tuple[dict[str, float], ...]:
 
 
 def _misled(problem: Problem, point: Point) -> list[dict[str, float]]:
-    """Return how far each parameter is off, by field, one dict for each effect, if a tenth of what this does misleads that most."""
+    """Return how far each parameter is off, by field, one dict for each effect, if what this does in another form misleads that most."""
     effects, setup = point.effects, problem.campaign.setup
     here, columns = parameters.values(effects), []
     for place, to in enumerate(_elsewhere(effects, setup)):
@@ -95,7 +95,7 @@ def _misled(problem: Problem, point: Point) -> list[dict[str, float]]:
     causes = parameters.unlikely_slopes(effects, setup) if parameters.unlikely(effects).size else np.zeros((1, here.size))
     found, first = [], 0
     for effect, square in zip(effects, np.diag(gram)[here.size :], strict=True):
-        precision = own / max(SHAPE**2 * square, 1e-300) + causes.T @ causes
+        precision = own / max(effect.form**2 * square, 1e-300) + causes.T @ causes
         inverse = np.linalg.inv(span[:, None] * precision * span + np.eye(here.size))
         off = span * np.sqrt(np.maximum(np.diag(inverse), 0.0))
         last = first + len(effect.fitted())

@@ -12,14 +12,14 @@ from gearfem.diagnosis.modelling.differences import one_sided
 from gearfem.diagnosis.modelling.system_bench import SystemBench
 from gearfem.diagnosis.modelling.teeth import Scatter
 from gearfem.diagnosis.reading.measurement import Measurement
-from gearfem.effects.effect import MEMBERS
+from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import Array
 from gearfem.foundation.units import UM
 from gearfem.variants import Variant
 
 # Form errors that all teeth of a gear share, beside the waviness of each: of a sound flank, and as a share of what is missing from it,
 # since no relief, wear or slope has quite the shape that its name stands for.
-COMMON_FORM, SHAPE = 0.1 * UM, 0.1
+COMMON_FORM, SHAPE = 0.1 * UM, Effect.form
 # Step of derivatives over errors of the model, in standard deviations, forward; half a one puts them off by a quarter near resonances.
 STEP = 0.02
 
