@@ -128,14 +128,18 @@ def _parameters(diagnosis: Diagnosis) -> list[ParameterRow]:
         for field, known in effect.parameters().items():
             key = effect.key(field)
             value, remark = getattr(effect, field) / factor(key), "at its bound" if (number, field) in fit.bound else ""
-            interval = "a whole number, chosen" if known.whole else _interval(value, stderr(effect, field, deviations[field]))
+            edges = tuple(edge / factor(key) for edge in known.bounds(diagnosis.campaign.setup, effect.member))
+            interval = "a whole number, chosen" if known.whole else _interval(value, stderr(effect, field, deviations[field]), edges)
             rows.append(ParameterRow(title(effect), known.words, f"{value:.4g}", interval, written(known.unit), remark))
     return rows
 
 
-def _interval(value: float, error: float | None) -> str:
-    """Return the interval of 95 % in words, of a standard error in the same unit."""
-    return "not decided by these data" if error is None else f"{value - INTERVAL * error:.4g} to {value + INTERVAL * error:.4g}"
+def _interval(value: float, error: float | None, edges: tuple[float, ...]) -> str:
+    """Return the interval of 95 % in words, of a standard error in the same unit, within what the parameter can be."""
+    if error is None:
+        return "not decided by these data"
+    low, high = (min(max(value + side * INTERVAL * error, edges[0]), edges[1]) for side in (-1.0, 1.0))
+    return f"{low:.4g} to {high:.4g}"
 
 
 def title(effect: Effect) -> str:

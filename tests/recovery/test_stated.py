@@ -24,7 +24,8 @@ from gearfem.effects.profile_slope import ProfileSlope
 from gearfem.effects.support_compliance import SupportCompliance
 from gearfem.effects.torque_ripple import TorqueRipple
 from gearfem.foundation import Array, SolveError
-from gearfem.foundation.units import MM, UM
+from gearfem.foundation.units import MM, UM, factor
+from gearfem.report.diagnosis_html import _parameters
 
 NO_LOAD = 20.0 * UM
 
@@ -152,3 +153,14 @@ def test_a_diagnosis_states_what_its_fit_knows_and_the_form(found: Diagnosis, tm
         written = json.loads((tmp_path / str(number) / "diagnosis.json").read_text())["effects"][0]["parameters"]
         errors.append([written[effect.key(field)]["stderr"] for field in said])
     assert np.array(errors[1]) == pytest.approx(2.0 * np.array(errors[0]))
+
+
+def test_an_interval_of_the_report_ends_where_the_parameter_does(found: Diagnosis) -> None:
+    """A relief of less than nothing is none."""
+    (effect,) = found.naming.fit.effects
+    nothing_known = dataclasses.replace(found, deviations=(dict.fromkeys(effect.fitted(), 1.0),))
+    shown = [row.interval for row in _parameters(nothing_known)]
+    bounds = [known.bounds(found.campaign.setup, effect.member) for known in effect.fitted().values()]
+    units = [factor(effect.key(field)) for field in effect.fitted()]
+    assert shown == [f"{low / unit:.4g} to {high / unit:.4g}" for (low, high), unit in zip(bounds, units, strict=True)]
+    assert shown[0].startswith("0 to ")
