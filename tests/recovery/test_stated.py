@@ -22,6 +22,7 @@ from gearfem.diagnosis.write import write_diagnosis
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
 from gearfem.effects.profile_slope import ProfileSlope
+from gearfem.effects.sensor_resonance import SensorResonance
 from gearfem.effects.support_compliance import SupportCompliance
 from gearfem.effects.torque_ripple import TorqueRipple
 from gearfem.foundation import Array, SolveError
@@ -114,11 +115,18 @@ def test_where_a_wave_begins_is_known_to_a_tenth_of_a_radian(campaign: Path, oft
     assert found["amplitude"] == pytest.approx(0.5, rel=0.01) if often == 1.0 else found["amplitude"] > 0.5
 
 
-def test_what_cannot_be_computed_leaves_what_is_known(campaign: Path) -> None:
+@pytest.mark.parametrize("error", [SolveError("no further"), np.linalg.LinAlgError("singular")], ids=lambda error: type(error).__name__)
+def test_what_cannot_be_computed_leaves_what_is_known(campaign: Path, error: Exception) -> None:
     def fails(one: Effect) -> list[float]:
-        raise SolveError("no further")
+        raise error
 
     assert stands(campaign, ProfileSlope(gear="wheel", amount=8.0 * UM), fails, 0.2 * UM) == {"amount": math.hypot(0.2 * UM, 0.8 * UM)}
+
+
+def test_what_is_smooth_in_its_reciprocal_is_stated_in_that(campaign: Path) -> None:
+    """A frequency of an instrument, which is infinite where it does nothing."""
+    found = stands(campaign, SensorResonance(frequency=1200.0, ratio=0.1), lambda one: [1.0 / one.frequency, 1e-4 * one.ratio])
+    assert found["frequency"] == pytest.approx(0.1 / 1200.0, rel=0.01)
 
 
 def test_a_depth_that_was_halved_is_known_to_a_factor_beside_what_all_teeth_have_too(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -69,7 +69,7 @@ def stated(problem: Problem, fit: Fit) -> tuple[dict[str, float], ...]:
     if not fit.effects:
         return ()
     misled = [dict.fromkeys(effect.fitted(), 0.0) for effect in fit.effects]
-    with contextlib.suppress(*UNCOMPUTABLE):
+    with contextlib.suppress(*UNCOMPUTABLE, np.linalg.LinAlgError):
         misled = _misled(problem, fit.point)
     found = []
     for effect, fitted, off in zip(fit.effects, fit.deviations, misled, strict=True):
