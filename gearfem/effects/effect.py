@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 import dataclasses
+import functools
 import math
 import numbers
 from collections.abc import Callable
@@ -20,6 +21,9 @@ Repeat = Literal["every tooth", "one tooth", "once a turn", "not periodic"]
 History = Literal["made", "mounted", "worn", "running"]
 HISTORY: tuple[History, ...] = get_args(History)
 MEMBERS: tuple[Member, ...] = get_args(Member)
+
+# What a class may say in code of its own: where that fails, it is said of the effect.
+SAID = ("act", "check", "contradicts", "unlikely", "table", "describe", "brief")
 
 Stated = TypeVar("Stated")
 Size: TypeAlias = float | Callable[[Setup, Member], float]
@@ -123,6 +127,21 @@ def parameter(
     return dataclasses.field(metadata={"parameter": declared})
 
 
+def _named(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method of an effect that raises EffectError, which names both, where its code fails."""
+
+    @functools.wraps(method)
+    def said(self: Effect, *args: Any, **kwargs: Any) -> Any:
+        try:
+            return method(self, *args, **kwargs)
+        except (*UNCOMPUTABLE, MemoryError, EffectError):
+            raise
+        except Exception as error:
+            raise EffectError(f'effect "{self.name}": {method.__name__} fails with {type(error).__name__} ({error})') from error
+
+    return said
+
+
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Effect(Record, abc.ABC):
     """A physical effect. Subclasses are dataclasses whose fields are `gear`, `tooth` (both only where needed) and parameters.
@@ -166,6 +185,12 @@ class Effect(Record, abc.ABC):
     reverse: ClassVar[str] = ""
     source: ClassVar[str]
 
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        for method in SAID:
+            if callable(own := vars(cls).get(method)):
+                setattr(cls, method, _named(own))
+
     @abc.abstractmethod
     def act(self, record: Any, setup: Setup) -> Any:
         """Return the record of its stage with this effect in it, of the same type."""
@@ -186,18 +211,13 @@ class Effect(Record, abc.ABC):
             changed = self.act(record, setup)
         except FloatingPointError as error:
             raise FloatingPointError(f'effect "{self.name}": {error}') from None
-        except (*UNCOMPUTABLE, MemoryError):
-            raise
-        except Exception as error:
-            raise EffectError(f'effect "{self.name}": act fails with {type(error).__name__} ({error})') from error
         # A law of contact may become one that scales it.
         alike = self.stage == "contact" or isinstance(changed, type(record))
         if not (alike and isinstance(changed, Record)):
             raise EffectError(f'effect "{self.name}": act returns {changed!r:.40}, no {type(record).__name__} as it is given')
         for field in dataclasses.fields(changed):
             # Arrays are looked at where a record is made.
-            value = getattr(changed, field.name)
-            if isinstance(value, float) and math.isnan(value):
+            if _has_nan(getattr(changed, field.name)):
                 raise FloatingPointError(f'effect "{self.name}": {field.name} of the {type(record).__name__} is no number')
         return cast(Stated, changed)
 
@@ -320,6 +340,7 @@ class Effect(Record, abc.ABC):
             values[key] = float(f"{value / factor(key):.12g}") if field in self.parameters() else value
         return values
 
+    @_named
     def describe(self) -> str:
         """Return the sentence for reports with the values filled in."""
         below = bool(self.reverse) and any(getattr(self, field) < 0.0 for field in self.strengths())
@@ -328,3 +349,8 @@ class Effect(Record, abc.ABC):
         return (self.reverse if below else self.sentence).format(**shown)
 
     brief = describe
+
+
+def _has_nan(value: object) -> bool:
+    """Return whether a plain value, or one of a tuple, is no number."""
+    return any(map(_has_nan, value)) if isinstance(value, tuple) else isinstance(value, float) and math.isnan(value)

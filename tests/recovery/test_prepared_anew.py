@@ -18,10 +18,11 @@ from gearfem.diagnosis.fitting.eased import eased, to_a_factor
 from gearfem.diagnosis.fitting.fit import again
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.bench import neutral
-from gearfem.diagnosis.ranking.rank import _prepared
+from gearfem.diagnosis.ranking.rank import _prepared, rank
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
+from gearfem.effects.sensor_resonance import SensorResonance
 from gearfem.foundation import Array, SolveError
 from gearfem.foundation.units import MM, UM
 from tests.recovery.rig import PLAN, beside_nuisances
@@ -147,3 +148,25 @@ def test_fits_of_a_candidate_go_on_where_they_stand_below_what_has_been_found(
     starts: Any = [((), place) for place in begun]
     assert [fit.objective for fit in _prepared(view, starts)] == left
     assert gone == led
+
+
+def test_what_is_ranked_again_beside_known_effects_begins_from_the_size_it_had(monkeypatch: pytest.MonkeyPatch, campaign: Path) -> None:
+    """Under each set of nuisances; what was not ranked before is tried at sizes of its own."""
+    module, begun = sys.modules[_prepared.__module__], list[Any]()
+    setup, before, own = read_campaign(campaign).setup, *(SensorResonance(frequency=hertz, ratio=0.1) for hertz in (700.0, 3000.0))
+    monkeypatch.setattr(module, "_elsewhere", lambda view, start: [np.ones(3)])
+    monkeypatch.setattr(module, "moves_otherwise", lambda *_: True)
+    monkeypatch.setattr(module, "_sizes", lambda view, start, unknown: [own])
+    monkeypatch.setattr(module, "_prepared", lambda view, starts: begun.extend(starts) or [])
+    monkeypatch.setattr(module, "view_of", lambda problem, base, *_: SimpleNamespace(problem=problem, base=base))
+    monkeypatch.setattr(module, "starts_of", lambda problem, base, kind, member: [kind.example(setup, member)])
+    monkeypatch.setattr(module, "late_tooth", lambda *_: [])
+    monkeypatch.setattr(module, "counted", lambda work, items, *_: map(work, items))
+    moving = SimpleNamespace(quantity=SimpleNamespace(moving=True))
+    problem: Any = SimpleNamespace(campaign=SimpleNamespace(setup=setup), records=[moving], left_at=lambda effects, unknown: unknown.sum())
+    stood = SimpleNamespace(unknown=np.zeros(3), weights=np.ones(1))
+    base: Any = SimpleNamespace(effects=(), objective=10.0, squares=np.ones(1), point=stood)
+    for known, begins in (([before], before), ([], own)):
+        begun.clear()
+        rank(problem, base, {"sensor_resonance": SensorResonance}, before=known)
+        assert [(effects, unknown.sum()) for effects, unknown in begun] == [((begins,), 0.0), ((begins,), 3.0)]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -44,30 +46,43 @@ def test_what_first_fits_gain_is_looked_into_only_if_it_is_gained_by_fits_made_a
     assert prepared == ([1.0] if ends else [])
 
 
-@pytest.mark.parametrize(("stood", "ends", "begun"), [(120.0, 120.0, [1.0, 0.0]), (1500.0, 90.0, [1.0, 0.0, 5.0])])
-def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alone_stand_too(
-    monkeypatch: pytest.MonkeyPatch, stood: float, ends: float, begun: list[float]
-) -> None:
-    """Places are numbers here: 0 is where the model has all nuisances, 1 where the first fit stood, 5 where nuisances alone do."""
+def point_at(unknown: float, stood: float) -> Any:
+    """Return a point of numbers for places: 0 is where the model has all nuisances."""
+    return SimpleNamespace(unknown=unknown, stood=stood, weights=np.ones(2))
+
+
+def fit_of(*effects: str, objective: float = 100.0, unknown: float = 2.0, stood: float = 1.0) -> Any:
+    """Return a fit of effects that stands at such a point."""
+    return SimpleNamespace(effects=effects, objective=objective, point=point_at(unknown, stood))
+
+
+def searching(monkeypatch: pytest.MonkeyPatch, attempt: Callable[..., Any], alone: Any) -> tuple[Search, Any]:
+    """Return a search whose fits are made by a function, and its problem."""
     module = sys.modules[Search.__module__]
-    leaves, tried, counting = {1.0: stood, 0.0: stood + 1.0, 5.0: 90.0}, list[float](), list[object]()
-
-    def point(unknown: float, at: float) -> Any:
-        return SimpleNamespace(unknown=unknown, stood=at, weights=np.ones(2))
-
-    def attempt(problem: object, effects: tuple[str, ...], place: float, weights: Array | None = None, **_: float) -> Any:
-        tried.append(place)
-        counting.append(weights)
-        return SimpleNamespace(effects=effects, objective=leaves[place], point=point(place, place))
-
     monkeypatch.setattr(module, "attempt", attempt)
     monkeypatch.setattr(module, "near_by", lambda problem, fit: False)
     monkeypatch.setattr(module, "counted", lambda work, items, *_: map(work, items))
     monkeypatch.setattr(module, "label", lambda effects: effects)
     problem = SimpleNamespace(wander=40.0, memory=np.ones(2), outer=3, unknowns=SimpleNamespace(neutral=lambda unknown: 0.0))
-    search = Search(cast(Problem, problem), cast(Fit, SimpleNamespace(point=point(4.0, 5.0))))
+    search = Search(cast(Problem, problem), alone)
     monkeypatch.setattr(search, "score", lambda fit: fit.objective)
-    promised = cast(Fit, SimpleNamespace(effects=("pit",), objective=100.0, point=point(2.0, 1.0)))
+    return search, problem
+
+
+@pytest.mark.parametrize(("stood", "ends", "begun"), [(120.0, 120.0, [1.0, 0.0]), (1500.0, 90.0, [1.0, 0.0, 5.0])])
+def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alone_stand_too(
+    monkeypatch: pytest.MonkeyPatch, stood: float, ends: float, begun: list[float]
+) -> None:
+    """The first fit stood at 1, and nuisances alone do at 5."""
+    leaves, tried, counting = {1.0: stood, 0.0: stood + 1.0, 5.0: 90.0}, list[float](), list[object]()
+
+    def attempt(problem: object, effects: tuple[str, ...], place: float, weights: Array | None = None, **_: float) -> Any:
+        tried.append(place)
+        counting.append(weights)
+        return fit_of(*effects, objective=leaves[place], unknown=place, stood=place)
+
+    search, problem = searching(monkeypatch, attempt, fit_of(objective=2000.0, unknown=4.0, stood=5.0))
+    promised = fit_of("pit")
     search.settle([promised], quiet, "again")
     assert search.fits[("pit",)].objective == ends  # type: ignore[index]
     assert tried == begun
@@ -88,22 +103,35 @@ def test_a_fit_that_leaves_far_more_than_it_promised_begins_where_nuisances_alon
 
 
 def test_what_cannot_be_computed_where_it_stands_begins_from_nuisances_as_the_model_has_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    module, tried = sys.modules[Search.__module__], list[float]()
+    tried, fit = list[float](), fit_of("pit")
 
     def attempt(problem: object, effects: object, place: float, **_: object) -> None:
         tried.append(place)
 
-    monkeypatch.setattr(module, "attempt", attempt)
-    monkeypatch.setattr(module, "near_by", lambda problem, fit: False)
-    monkeypatch.setattr(module, "counted", lambda work, items, *_: map(work, items))
-    monkeypatch.setattr(module, "label", lambda effects: effects)
-    problem = SimpleNamespace(wander=40.0, memory=np.ones(2), outer=3, unknowns=SimpleNamespace(neutral=lambda unknown: 0.0))
-    point = SimpleNamespace(unknown=2.0, stood=1.0, weights=np.ones(2))
-    fit = cast(Fit, SimpleNamespace(effects=("pit",), objective=100.0, point=point))
-    search = Search(cast(Problem, problem), fit)
+    search, _ = searching(monkeypatch, attempt, fit)
     search.settle([fit], quiet, "again")
     assert tried == [1.0, 0.0]
     assert search.fits[("pit",)] is fit  # type: ignore[index]
+
+
+def test_effects_are_given_up_that_do_not_promise_half_of_what_the_best_gains(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nuisances alone leave 1000 and the best effects 200; of 400 and 700 both are left, of which 400 is less than half way."""
+    least = list[float]()
+
+    def attempt(problem: object, effects: tuple[str, ...], place: float, hopeless: float = math.inf, **_: object) -> Any:
+        least.append(hopeless)
+        return fit_of(*effects, objective=400.0 if effects == ("wear",) else 700.0)
+
+    alone = fit_of(objective=1000.0)
+    search, _ = searching(monkeypatch, attempt, alone)
+    search.fits[("pit",)] = fit_of("pit", objective=200.0)  # type: ignore[index]
+    search.settle([fit_of("wear", objective=410.0), fit_of("relief", objective=710.0)], quiet, "again")
+    # From where it stands, and from nuisances as the model has them: there it must come below what it has come to as well.
+    assert least == [600.0, 400.0, 600.0, 600.0]
+    search.settle([alone], quiet, "again")
+    assert least[4:] == [math.inf, 700.0]
+    search.settle_from([(("slope",), np.zeros(1))], quiet, "from elsewhere", search.worth)  # type: ignore[list-item]
+    assert least[-1] == search.worth == 450.0
 
 
 def test_rivals_fitted_again_know_where_nuisances_alone_stand(monkeypatch: pytest.MonkeyPatch) -> None:

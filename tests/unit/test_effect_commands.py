@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from click.testing import CliRunner
 from gearfem import InputError, make_setup, run
 from gearfem.cli import main
 from gearfem.effects.catalogue import catalogue, effects_from, read_effects
+from gearfem.effects.sensor_gain import SensorGain
+from gearfem.foundation import EffectError
 from gearfem.foundation.toml import to_toml
 
 PAIR = {
@@ -168,6 +171,29 @@ def test_a_bound_of_ones_own_that_fails_is_named_in_one_line(tmp_path, high, wor
     line, status = _run_with_own(tmp_path, "return flanks", high)
     assert line.startswith(f'error: effect parameter "share of the sound": {words}')
     assert status == 2
+
+
+@pytest.mark.parametrize("method", ["check(self, setup)", "describe(self)"])
+def test_any_method_of_ones_own_that_fails_is_named_in_one_line(tmp_path, method):
+    line, status = _run_with_own(tmp_path, f"return flanks\n\n    def {method}:\n        return self.no_such_thing", "1.0")
+    assert line.startswith(f'error: effect "deaf": {method.partition("(")[0]} fails with AttributeError (')
+    assert status == 2
+
+
+def test_what_an_effect_of_ones_own_says_wrongly_of_itself_is_named():
+    @dataclasses.dataclass(frozen=True, kw_only=True)
+    class Lost(SensorGain):
+        name = "lost"
+        sentence = "The instrument reads {no_such_key} times."
+
+        def unlikely(self):
+            return (1.0 / 0.0,)
+
+    lost = Lost(scale=1.1)
+    with pytest.raises(EffectError, match=r'effect "lost": describe fails with KeyError'):
+        lost.describe()
+    with pytest.raises(EffectError, match=r'effect "lost": unlikely fails with ZeroDivisionError'):
+        lost.unlikely()
 
 
 def _run_with_own(tmp_path, code, high):

@@ -157,12 +157,16 @@ def _of_means(
 ) -> Naming:
     """Return the verdict on the means over the pitches, index errors as settings have them.
 
-    Under known effects of single teeth, if any; a verdict without these tells with which explanations to begin.
+    Under known effects of single teeth, if any; a verdict without these tells with which explanations to begin, and where each effect
+    ended.
     """
     mean = averaged(problem, settings, known)
     alone = again(mean, (), mean.unknowns.of(settings))
-    found = None if before is None else [(fit.effects, mean.unknowns.of(fit.settings)) for fit in _first(before)]
-    return told_apart(problem, mean, select(mean, alone, kinds, progress, found), progress)
+    if before is None:
+        return told_apart(problem, mean, select(mean, alone, kinds, progress), progress)
+    found = [(fit.effects, mean.unknowns.of(fit.settings)) for fit in _first(before)]
+    ended = [one.effect for one in before.identifiable]
+    return told_apart(problem, mean, select(mean, alone, kinds, progress, found, ended), progress)
 
 
 def _first(naming: Naming) -> list[Fit]:

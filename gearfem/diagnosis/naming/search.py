@@ -55,14 +55,18 @@ class Search:
         """Nuisances alone."""
         return self.fits[()]
 
+    @property
+    def worth(self) -> float:
+        """Objective that an explanation must promise to come down to, or it is given up: half way from nuisances alone to the least."""
+        return 0.5 * (self.alone.objective + min(fit.objective for fit in self.fits.values()))
+
     def fit(self, starts: Sequence[Start], base: Fit, progress: Progress = quiet, words: str = "effects", anew: bool = False) -> None:
         """Fit sets of effects, told apart by names, gears and teeth; of several starts of one set the best is kept.
 
         Those not fitted before, or all of them `anew`.
         """
         new = [start for start in starts if anew or label(start[0]) not in self.fits]
-        best = min(fit.objective for fit in self.fits.values())
-        worth, further = 0.5 * (self.alone.objective + best), base.objective - LITTLE * self.further_least()
+        worth, further = self.worth, base.objective - LITTLE * self.further_least()
 
         def one(start: Start) -> Fit | None:
             effects, own = start
@@ -96,12 +100,15 @@ class Search:
         far more than it promised, with columns of another place, it begins where the nuisances alone stand as well: index errors that suit
         those columns may lead a motion elsewhere. What each record counts goes along, or a fit would leave its place. Of single teeth
         nuisances stand still: there is no other place, and where they leave far more than noise of all records, index errors take little
-        of it unless all count at first.
+        of it unless all count at first. Effects that do not promise to be worth it are given up where they stand.
         """
         bare, memory, free = self.alone.point.stood, self.problem.memory.tobytes(), self.problem.outer > 0
+        worth = self.worth
 
         def one(fit: Fit) -> Fit:
-            found = attempt(self.problem, fit.effects, fit.point.stood, weights=fit.point.weights if free else None) or fit
+            hopeless = worth if fit.effects else math.inf
+            weights = fit.point.weights if free else None
+            found = attempt(self.problem, fit.effects, fit.point.stood, hopeless=hopeless, weights=weights) or fit
             if near_by(self.problem, found):
                 return found
             begun = not free or (label(fit.effects), memory) in self._neutral
@@ -109,7 +116,7 @@ class Search:
             if fit.effects and found.objective > fit.objective + self.problem.wander:
                 starts.append(bare)
             for start in starts:
-                other = attempt(self.problem, fit.effects, start, hopeless=found.objective)
+                other = attempt(self.problem, fit.effects, start, hopeless=min(found.objective, hopeless))
                 found = found if other is None else min(found, other, key=self.score)
             return found
 
@@ -117,9 +124,14 @@ class Search:
         again = (label(fit.effects) for fit in fits)
         self._neutral |= {(key, memory) for key in again if not near_by(self.problem, self.fits[key])}
 
-    def settle_from(self, starts: Sequence[tuple[tuple[Effect, ...], Array]], progress: Progress, words: str) -> None:
-        """Fit explanations that begin far from the nuisances alone, each prepared where it begins; the better one of a kind stays."""
-        for found in counted(lambda start: attempt(self.problem, *start), starts, progress, words):
+    def settle_from(
+        self, starts: Sequence[tuple[tuple[Effect, ...], Array]], progress: Progress, words: str, hopeless: float = math.inf
+    ) -> None:
+        """Fit explanations that begin far from the nuisances alone, each prepared where it begins; the better one of a kind stays.
+
+        Those that do not promise to come down to `hopeless` are given up where they stand.
+        """
+        for found in counted(lambda start: attempt(self.problem, *start, hopeless=hopeless), starts, progress, words):
             self._keep(found)
 
     def instead(self, progress: Progress) -> bool:

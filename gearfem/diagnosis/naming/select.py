@@ -52,6 +52,7 @@ def select(
     kinds: Mapping[str, type[Effect]],
     progress: Progress = quiet,
     found: Sequence[tuple[tuple[Effect, ...], Array]] | None = None,
+    before: Sequence[Effect] = (),
 ) -> Naming:
     """Choose the effects that explain what nuisances leave of one problem.
 
@@ -68,6 +69,8 @@ def select(
     found : sequence of (tuple of Effect, ndarray of shape (k,)), optional
         Explanations that were found before or from other records, and the unknowns to start from. Nuisances stand where these have left
         them: no further effect is sought in their place.
+    before : sequence of Effect
+        As of `rank`.
 
     Returns
     -------
@@ -86,7 +89,7 @@ def select(
         # A search before has left it prepared at what that named.
         problem.prepare((), alone.point.unknown)
     search = Search(problem, alone)
-    first = rank(problem, alone, kinds, progress)
+    first = rank(problem, alone, kinds, progress, before)
     shown = identify(problem, alone, first)
     if alone.objective < search.problem.detected:
         return judge_few(search, judge(search, shown), first, progress)
@@ -98,9 +101,10 @@ def select(
     _singles(search, alone, first, progress)
     if search.instead(progress):
         problem.prepare((), search.alone.point.stood)
-        return select(problem, search.alone, kinds, progress, found)
+        return select(problem, search.alone, kinds, progress, found, before)
     if found is None and not sound(search):
-        search.settle_from(screened(problem, alone, first, progress), progress, "effects that slow records call for")
+        slow = screened(problem, alone, first, progress)
+        search.settle_from(slow, progress, "effects that slow records call for", search.worth)
     if gap_left(alone, problem) < 1.0 and (_hopeless(search) or (not found and _settled_hopeless(search, progress))):
         return judge(search, shown)
     _pairs(search, alone, first, progress)

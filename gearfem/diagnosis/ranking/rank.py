@@ -40,7 +40,9 @@ LOOKED_AT = 8
 Start: TypeAlias = tuple[tuple[Effect, ...], Array]
 
 
-def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet) -> tuple[Candidate, ...]:
+def rank(
+    problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progress: Progress = quiet, before: Sequence[Effect] = ()
+) -> tuple[Candidate, ...]:
     """Return the effects that these records can show, the one that explains most first.
 
     Parameters
@@ -53,6 +55,8 @@ def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progres
         Effects to try.
     progress : Progress
         Told after each effect.
+    before : sequence of Effect
+        As the same records have had them, less known beside: what is fitted from several sizes begins from theirs alone.
 
     Returns
     -------
@@ -61,7 +65,7 @@ def rank(problem: Problem, base: Fit, kinds: Mapping[str, type[Effect]], progres
         likeliest teeth, and shape there. Those without any response are left out.
     """
     jobs = [(kind, member) for kind in kinds.values() for member in _members(kind)]
-    return _ranked(problem, base, jobs, progress, "candidates")
+    return _ranked(problem, base, jobs, progress, "candidates", before)
 
 
 def _members(kind: type[Effect]) -> tuple[Member, ...]:
@@ -94,8 +98,11 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
     return _ranked(problem, base, [*teeth, *others], progress, "candidates beside what is found")
 
 
-def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]], progress: Progress, words: str) -> tuple[Candidate, ...]:
+def _ranked(
+    problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]], progress: Progress, words: str, before: Sequence[Effect] = ()
+) -> tuple[Candidate, ...]:
     found: list[Candidate] = []
+    sizes = {(type(effect), effect.member): [effect] for effect in before}
     weights, squares = base.point.weights, base.squares
     view, slow = view_of(problem, base, weights, squares), None
     places = np.flatnonzero([not record.quantity.moving for record in problem.records])
@@ -104,7 +111,8 @@ def _ranked(problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]]
 
     def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
         starts = starts_of(problem, view.base, *job)
-        tried = [_fitted(view, start) if stands(start) else _best(view, slow, start) for start in starts]
+        own = sizes.get(job)
+        tried = [_fitted(view, start, own) if stands(start) else _best(view, slow, start, own) for start in starts]
         tried += [candidate_of(view, *late) for late in late_tooth(problem, view.base, *job)]
         return [candidate for candidate in tried if candidate is not None]
 
@@ -121,8 +129,8 @@ def _tries(problem: Problem, job: tuple[type[Effect], Member]) -> tuple[bool, bo
     return stands(first), hasattr(first, "tooth"), len(spread_of(first, problem.campaign.setup))
 
 
-def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
-    """Return the effect at the shape, and then the strength, that explain most."""
+def _best(view: View, slow: View | None, start: Effect, sizes: list[Effect] | None = None) -> Candidate | None:
+    """Return the effect at the shape, and then the strength, that explain most; at given sizes alone where it has to be fitted."""
     setup = view.problem.campaign.setup
     if turns(start):
         likely = _waves(view, start)
@@ -133,7 +141,7 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
     else:
         likely = _likeliest(slow, start) if slow is not None else []
     if not likely and slow is not None and any(record.quantity.moving for record in view.problem.records):
-        return _fitted(view, start)
+        return _fitted(view, start, sizes)
     likely = likely or [(effect, None) for effect in shapes_of(start, setup)]
     candidates = [candidate_of(view, effect, unknown) for effect, unknown in likely]
     good = [candidate for candidate in candidates if candidate is not None]
@@ -152,15 +160,15 @@ def _best(view: View, slow: View | None, start: Effect) -> Candidate | None:
     return best
 
 
-def _fitted(view: View, start: Effect) -> Candidate | None:
-    """Return an effect as fits from several places find it: one that cannot be scaled, or that motions alone feel."""
+def _fitted(view: View, start: Effect, sizes: list[Effect] | None = None) -> Candidate | None:
+    """Return an effect that cannot be scaled, or that motions alone feel, as fits from several places find it, of given sizes if any."""
     problem, base = view.problem, view.base
     if not any(record.quantity.moving for record in problem.records):
         return None
     tried: list[tuple[float, Start]] = []
     for unknown in (base.point.unknown, *_elsewhere(view, start)):
         with contextlib.suppress(*UNCOMPUTABLE):
-            effects = _sizes(view, start, unknown)
+            effects = sizes or _sizes(view, start, unknown)
             starts: list[Start] = [((*base.effects, effect), unknown) for effect in effects]
             left = [problem.left_at(*place) for place in starts]
             pits = lowest(left) if scanned(start, problem.campaign.setup) else range(len(left))
