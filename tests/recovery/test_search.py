@@ -13,7 +13,7 @@ import pytest
 
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
-from gearfem.diagnosis.naming.name import name
+from gearfem.diagnosis.naming.name import _unmoved, name
 from gearfem.diagnosis.naming.search import Search
 from gearfem.diagnosis.naming.select import _concluded, _settled_hopeless
 from gearfem.foundation import Array
@@ -201,3 +201,36 @@ def test_what_is_named_of_single_teeth_is_asked_again_beside_what_is_named_of_al
     found = name(cast(Problem, SimpleNamespace()), cast(Fit, SimpleNamespace(settings=None)), {})
     assert done == course
     assert cast(Any, found) == ((means,) if means else (), (teeth_again,) if teeth_again else ())
+
+
+@pytest.mark.parametrize(
+    ("alone", "best", "named", "asked", "stands"),
+    [
+        (700.0, 227.0, True, True, True),
+        (700.0, 200.0, True, True, False),
+        (700.0, 227.0, False, True, False),
+        (680.0, 227.0, True, False, False),
+    ],
+    ids=["all as it was", "the best leaves less", "nothing is named any more", "nuisances alone leave less"],
+)
+def test_means_that_single_teeth_leave_as_they_were_are_not_searched_again(
+    monkeypatch: pytest.MonkeyPatch, alone: float, best: float, named: bool, asked: bool, stands: bool
+) -> None:
+    """But for 25: what a further name of means must gain."""
+
+    def verdict(alone: float, best: float, named: bool = True) -> Any:
+        near, far = (SimpleNamespace(near=near, fit=fit_of("crack", objective=left)) for near, left in ((True, best), (False, 1.0)))
+        best_fit = fit_of("pit", objective=best + 4.0)
+        return SimpleNamespace(alone=fit_of(objective=alone), best=best_fit, fit=best_fit if named else fit_of(), rivals=(near, far))
+
+    tried = list[object]()
+
+    def anew(mean: object, alone: object, found: object, *_: object) -> Any:
+        tried.append(found)
+        return verdict(700.0, best, named)
+
+    monkeypatch.setattr(sys.modules[_unmoved.__module__], "_anew", anew)
+    mean, found = cast(Problem, SimpleNamespace(wander=10.0)), [((), np.zeros(1))]
+    naming = _unmoved(mean, fit_of(objective=alone), cast(Any, found), verdict(709.0, 243.0), quiet)
+    assert (naming is not None) is stands
+    assert tried == ([found] if asked else [])

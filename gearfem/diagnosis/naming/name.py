@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import math
 from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 from gearfem.diagnosis.comparing.averages import (
     averaged,
@@ -32,6 +34,9 @@ from gearfem.diagnosis.naming.verdict import judge
 from gearfem.effects.effect import Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress, quiet
+
+# An explanation that was found before, and the unknowns to start from.
+Found: TypeAlias = tuple[tuple[Effect, ...], Array]
 
 # Explanations without single teeth with which the search under these begins.
 BEGUN = 4
@@ -165,8 +170,28 @@ def _of_means(
     if before is None:
         return told_apart(problem, mean, select(mean, alone, kinds, progress), progress)
     found = [(fit.effects, mean.unknowns.of(fit.settings)) for fit in _first(before)]
-    ended = [one.effect for one in before.identifiable]
-    return told_apart(problem, mean, select(mean, alone, kinds, progress, found, ended), progress)
+    naming = _unmoved(mean, alone, found, before, progress) if known else None
+    if naming is None:
+        naming = select(mean, alone, kinds, progress, found, [one.effect for one in before.identifiable])
+    return told_apart(problem, mean, naming, progress)
+
+
+def _unmoved(mean: Problem, alone: Fit, found: list[Found], before: Naming, progress: Progress) -> Naming | None:
+    """Return the verdict of a search judged anew by what it found, or None if what is known beside it now may lead a search elsewhere.
+
+    It does not if both nuisances alone and the best explanations leave as much as before but for less than a further name must gain.
+    """
+    enough = FURTHER_LEAST * mean.wander
+    if abs(alone.objective - before.alone.objective) > enough:
+        return None
+    naming = _anew(mean, alone, found, before, "effects of all teeth again", progress)
+    moved = abs(_least(naming) - _least(before)) > enough or bool(naming.fit.effects) != bool(before.fit.effects)
+    return None if moved else naming
+
+
+def _least(naming: Naming) -> float:
+    """Return what the best explanation leaves, or one that cannot be told from it."""
+    return min(naming.best.objective, *(rival.fit.objective for rival in naming.rivals if rival.near), math.inf)
 
 
 def _first(naming: Naming) -> list[Fit]:
@@ -219,7 +244,7 @@ def _of_teeth(
     if before is None:
         naming = select(teeth, alone, kinds, progress)
     else:
-        naming = _anew(teeth, alone, before.best.point.stood, before, "effects of single teeth again", progress)
+        naming = _anew(teeth, alone, _near(before, before.best.point.stood), before, "effects of single teeth again", progress)
     return naming, bool(waves(teeth, naming.best))
 
 
@@ -227,16 +252,20 @@ def _of_means_anew(problem: Problem, first: Naming, second: Naming, progress: Pr
     """Return the verdict on the means again, single teeth as they have been found beside it."""
     mean = averaged(problem, second.fit.settings)
     alone = again(mean, (), mean.unknowns.of(first.alone.settings))
-    naming = _anew(mean, alone, mean.unknowns.of(first.best.settings), first, "effects of all teeth again", progress)
+    naming = _anew(mean, alone, _near(first, mean.unknowns.of(first.best.settings)), first, "effects of all teeth again", progress)
     return told_apart(problem, mean, naming, progress)
 
 
-def _anew(problem: Problem, alone: Fit, start: Array, naming: Naming, words: str, progress: Progress) -> Naming:
-    """Return a verdict again, its best explanation and those near it fitted from unknowns on; what lost by far is not fitted again."""
-    search = Search(problem, alone)
+def _near(naming: Naming, start: Array) -> list[Found]:
+    """Return the best explanation of a verdict and those near it, all to begin from the same unknowns; what lost by far is left."""
     near = (naming.best.effects, *(rival.effects for rival in naming.rivals if rival.near))
-    sets = {label(effects): effects for effects in near if effects}
-    search.settle_from([(effects, start) for effects in sets.values()], progress, words)
+    return [(effects, start) for effects in {label(effects): effects for effects in near if effects}.values()]
+
+
+def _anew(problem: Problem, alone: Fit, starts: list[Found], naming: Naming, words: str, progress: Progress) -> Naming:
+    """Return a verdict again, some of its explanations fitted anew; the others have lost."""
+    search = Search(problem, alone)
+    search.settle_from(starts, progress, words)
     if search.best().effects:
         # No name wins by where it began.
         search.settle_from([((), search.best().point.stood)], progress, words)
