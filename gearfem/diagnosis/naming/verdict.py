@@ -113,7 +113,7 @@ def _of_nuisances(suspects: Iterable[tuple[str, float]], kept: Iterable[tuple[st
     for words, moved in suspects:
         yield f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
     for file, size in kept:
-        yield f"Nuisances alone: {file} keeps {size:.1f} times its noise, more than noise alike over all its rows."
+        yield f"Nuisances alone: {file} keeps {size:.1f} times its noise: a gap of its rows together, even where none is one by itself."
 
 
 def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, float], sound: bool, close: Sequence[Fit]) -> Verdict:
