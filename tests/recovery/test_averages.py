@@ -287,7 +287,7 @@ def test_an_effect_shows_in_means_unless_it_differs_from_pitch_to_pitch() -> Non
     assert {kind.repeats for kind in catalogue().values() if not shows_in_means(kind)} == {"one tooth", "once a turn"}
 
 
-def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaign: Path) -> None:
+def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaign: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A relief of the wheel, called one of the pinion: rows say which."""
     comparison = compare(read_campaign(campaign))
     problem, alone = comparison.problem, comparison.alone
@@ -321,6 +321,12 @@ def test_explanations_that_means_cannot_tell_apart_are_judged_row_by_row(campaig
     assert not lost.near
     assert lost.score_difference > 100.0
     assert told_apart(problem, mean, dataclasses.replace(naming, verdict="explained"), quiet).fit is wrong
+    # Where one may be as good by the doubt about its own fit, it stands within the stated threshold.
+    monkeypatch.setattr(sys.modules[told_apart.__module__], "_scores_by_rows", lambda *_: [(147.0, 60.0), (100.0, 0.0)])
+    open_still = told_apart(problem, mean, naming, quiet)
+    assert open_still.verdict == "ambiguous"
+    assert [(rival.near, rival.score_difference) for rival in open_still.rivals] == [(True, 47.0)]
+    assert open_still.threshold > 47.0
 
 
 def test_by_rows_no_explanation_is_better_by_where_its_fit_began(monkeypatch: pytest.MonkeyPatch) -> None:

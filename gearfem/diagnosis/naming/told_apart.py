@@ -18,6 +18,9 @@ from gearfem.foundation import Array
 from gearfem.foundation.progress import Progress
 from gearfem.foundation.side_by_side import counted
 
+# How far beyond the scores of explanations that count as alike the stated threshold lies.
+BEYOND = 1.0
+
 
 def told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progress) -> Naming:
     """Return the verdict on means that cannot tell explanations apart, each now fitted to slow records row by row too.
@@ -52,7 +55,8 @@ def told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progre
         closed=closed,
         left=remains,
         rivals=(*rivals, *(rival for rival in naming.rivals if not rival.near)),
-        threshold=threshold,
+        # Beyond the farthest that counts as alike: by its own doubt that may stand farther off than others may.
+        threshold=max([threshold, *(costs[one] - costs[best] + BEYOND for one in close)]),
         sentence=sentence_of(verdict, best.fit, closed),
     )
 
