@@ -74,7 +74,7 @@ def name(problem: Problem, alone: Fit, kinds: Mapping[str, type[Effect]], progre
     -----
     Effects of all teeth, and what does not come back with the turns, are selected by the means over the pitches (`averaged`), which say
     where nuisances and errors of our own model stand; then, these standing still, effects of single teeth and turns by the records row by
-    row (`of_single_teeth`). Beside those the first kind is judged anew, or selected anew where any of the second was found, and those
+    row (`of_single_teeth`). Beside those the first kind is judged anew, or selected anew where the second moves the means, and those
     judged anew beside it. What means name nothing of is asked from the slow records row by row (`row_by_row`). Campaigns without a record
     over the pinion angle have no means and are searched once for all effects. Motions that hammer, and whose rows the names by their means
     leave worse than nuisances alone do, are left out of the means (`untold`), as erratic motions are. No mean is searched where index
