@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import abc
+import contextlib
 import dataclasses
 import functools
 import math
 import numbers
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, Literal, Self, TypeAlias, TypeVar, cast, get_args
 
 from gearfem.definition.setup import Member, Setup
@@ -37,6 +38,17 @@ def modules(count: float) -> Size:
 def of_width(share: float) -> Size:
     """Return a share of the face width, for bounds and typical values."""
     return lambda setup, member: share * setup.pair.face_width
+
+
+@contextlib.contextmanager
+def _of_ones_own(what: str) -> Iterator[None]:
+    """Raise EffectError where code of an effect fails, with what fails in words; a place without a model stays what it is."""
+    try:
+        yield
+    except (*UNCOMPUTABLE, MemoryError, EffectError):
+        raise
+    except Exception as error:
+        raise EffectError(f"{what} fails with {type(error).__name__} ({error})") from error
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -97,12 +109,8 @@ class Parameter:
         """Return a size of this parameter for a gear of a pair; raises EffectError if the function that gives it fails."""
         if not callable(size):
             return size
-        try:
+        with _of_ones_own(f'effect parameter "{self.words}": its size'):
             found = size(setup, member)
-        except (*UNCOMPUTABLE, MemoryError):
-            raise
-        except Exception as error:
-            raise EffectError(f'effect parameter "{self.words}": its size fails with {type(error).__name__} ({error})') from error
         if not isinstance(found, numbers.Real) or math.isnan(found):
             raise EffectError(f'effect parameter "{self.words}": its size is {found!r:.40}, no number')
         return float(found)
@@ -132,12 +140,8 @@ def _named(method: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(method)
     def said(self: Effect, *args: Any, **kwargs: Any) -> Any:
-        try:
+        with _of_ones_own(f'effect "{self.name}": {method.__name__}'):
             return method(self, *args, **kwargs)
-        except (*UNCOMPUTABLE, MemoryError, EffectError):
-            raise
-        except Exception as error:
-            raise EffectError(f'effect "{self.name}": {method.__name__} fails with {type(error).__name__} ({error})') from error
 
     return said
 

@@ -13,7 +13,7 @@ from gearfem.diagnosis.fitting.marginal import marginal
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.nuisances import BUILD
 from gearfem.diagnosis.naming.gap import closure, gap_left, gaps
-from gearfem.diagnosis.naming.naming import Naming, Rival, sentence_of
+from gearfem.diagnosis.naming.naming import BEYOND, Naming, Rival, sentence_of
 from gearfem.diagnosis.naming.search import Search, exchanged
 from gearfem.diagnosis.ranking.candidate import Candidate
 from gearfem.foundation.progress import Progress
@@ -89,7 +89,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
         p_values=UNDECIDED,
         closed=closed,
         rivals=rivals,
-        threshold=max(naming.threshold, apart[-1] + 1.0),
+        threshold=max(naming.threshold, apart[-1] + BEYOND),
         sentence=sentence_of("ambiguous", best, closed),
         reasons=reasons,
     )

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-import math
 from collections.abc import Callable, Mapping
-from typing import TypeAlias
 
 from gearfem.diagnosis.comparing.averages import (
     averaged,
@@ -31,12 +29,10 @@ from gearfem.diagnosis.naming.select import select
 from gearfem.diagnosis.naming.suspects import turning
 from gearfem.diagnosis.naming.told_apart import told_apart
 from gearfem.diagnosis.naming.verdict import judge
+from gearfem.diagnosis.ranking.rank import Start
 from gearfem.effects.effect import Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
 from gearfem.foundation.progress import Progress, quiet
-
-# An explanation that was found before, and the unknowns to start from.
-Found: TypeAlias = tuple[tuple[Effect, ...], Array]
 
 # Explanations without single teeth with which the search under these begins.
 BEGUN = 4
@@ -176,7 +172,7 @@ def _of_means(
     return told_apart(problem, mean, naming, progress)
 
 
-def _unmoved(mean: Problem, alone: Fit, found: list[Found], before: Naming, progress: Progress) -> Naming | None:
+def _unmoved(mean: Problem, alone: Fit, found: list[Start], before: Naming, progress: Progress) -> Naming | None:
     """Return the verdict of a search judged anew by what it found, or None if what is known beside it now may lead a search elsewhere.
 
     It does not if both nuisances alone and the best explanations leave as much as before but for less than a further name must gain.
@@ -191,7 +187,7 @@ def _unmoved(mean: Problem, alone: Fit, found: list[Found], before: Naming, prog
 
 def _least(naming: Naming) -> float:
     """Return what the best explanation leaves, or one that cannot be told from it."""
-    return min(naming.best.objective, *(rival.fit.objective for rival in naming.rivals if rival.near), math.inf)
+    return min([naming.best.objective, *(rival.fit.objective for rival in naming.rivals if rival.near)])
 
 
 def _first(naming: Naming) -> list[Fit]:
@@ -256,13 +252,13 @@ def _of_means_anew(problem: Problem, first: Naming, second: Naming, progress: Pr
     return told_apart(problem, mean, naming, progress)
 
 
-def _near(naming: Naming, start: Array) -> list[Found]:
+def _near(naming: Naming, start: Array) -> list[Start]:
     """Return the best explanation of a verdict and those near it, all to begin from the same unknowns; what lost by far is left."""
     near = (naming.best.effects, *(rival.effects for rival in naming.rivals if rival.near))
     return [(effects, start) for effects in {label(effects): effects for effects in near if effects}.values()]
 
 
-def _anew(problem: Problem, alone: Fit, starts: list[Found], naming: Naming, words: str, progress: Progress) -> Naming:
+def _anew(problem: Problem, alone: Fit, starts: list[Start], naming: Naming, words: str, progress: Progress) -> Naming:
     """Return a verdict again, some of its explanations fitted anew; the others have lost."""
     search = Search(problem, alone)
     search.settle_from(starts, progress, words)

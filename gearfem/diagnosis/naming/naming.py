@@ -11,6 +11,9 @@ from gearfem.diagnosis.naming.identify import Identifiability
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Record
 
+# How far beyond the scores of explanations that count as alike the stated threshold lies.
+BEYOND = 1.0
+
 Verdict = Literal["explained", "partly_explained", "no_discrepancy", "unexplained", "ambiguous"]
 
 

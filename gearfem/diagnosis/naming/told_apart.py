@@ -12,14 +12,11 @@ from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import label, simplicity
 from gearfem.diagnosis.modelling.pitch_point import turns_round
 from gearfem.diagnosis.naming.gap import closure, gap_left
-from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict, sentence_of
+from gearfem.diagnosis.naming.naming import BEYOND, Naming, Rival, Verdict, sentence_of
 from gearfem.diagnosis.naming.verdict import explains
 from gearfem.foundation import Array
 from gearfem.foundation.progress import Progress
 from gearfem.foundation.side_by_side import counted
-
-# How far beyond the scores of explanations that count as alike the stated threshold lies.
-BEYOND = 1.0
 
 
 def told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progress) -> Naming:
