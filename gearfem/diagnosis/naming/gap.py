@@ -74,19 +74,22 @@ def wide(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
 def _within_reason(fit: Fit, problem: Problem) -> Array:
     """Return the mean squares, shape (r,), that a fit leaves with nuisances brought back to where they do the work of no effect.
 
-    Scales, errors of our own model, and of the index errors waves and what stands out of a single tooth.
+    Scales, errors of our own model, forms common to all teeth, and of the index errors waves and what stands out of a single tooth.
     """
-    unknowns, unknown = problem.unknowns, fit.point.unknown.copy()
-    unknown[unknowns.scales] = np.clip(unknown[unknowns.scales], -STRAYED, STRAYED)
-    white = fit.white
-    if not np.array_equal(unknown, fit.point.unknown):
+    unknowns, unknown, white = problem.unknowns, fit.point.unknown, fit.white
+    within = unknown.copy()
+    within[unknowns.scales] = np.clip(unknown[unknowns.scales], -STRAYED, STRAYED)
+    if not np.array_equal(within, unknown):
         # What cannot be computed so far off stays as it is.
         with contextlib.suppress(*UNCOMPUTABLE):
-            white = problem.whiten(problem.left(problem.at(fit.effects, unknown)))
-    wrong = unknown[unknowns.wrong]
-    back = [wrong - np.clip(wrong, -STRAYED, STRAYED)]
+            point = problem.at(fit.effects, within)
+            unknown, white = point.unknown, problem.whiten(problem.left(point))
+    back = np.zeros(len(unknown))
+    back[unknowns.wrong] = unknown[unknowns.wrong] - np.clip(unknown[unknowns.wrong], -STRAYED, STRAYED)
+    forms = unknown[unknowns.forms]
+    back[unknowns.forms] = forms * (1.0 - STRAYED / max(float(np.linalg.norm(forms)), STRAYED))
     if not unknowns.scatter.common:
         gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
         stray = uneven(problem, fit)[1] > STRAYED
-        back = [*(waves_of(late) * stray[number] + odd_of(late) for number, late in enumerate(gears)), *back]
-    return np.asarray(problem.squares(white + problem.held_columns @ np.concatenate(back)) / problem.counts)
+        back[unknowns.late] = np.concatenate([waves_of(late) * stray[number] + odd_of(late) for number, late in enumerate(gears)])
+    return np.asarray(problem.squares(white + problem.linear.moved(back[problem.outer :])) / problem.counts)

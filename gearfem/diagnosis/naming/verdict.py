@@ -127,7 +127,7 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
         Share of the gap that it closes.
     left : (float, float)
         What nuisances alone leave and what it leaves, in gaps; of less than `OPEN`, as some healthy pairs leave, no share need be closed,
-        unless a form that is none of the named stays on all teeth.
+        unless a form of all teeth or another error of the model stays too large beside the name: what does the work of an effect is left.
     sound : bool
         Whether nuisances alone do the work of no effect, and leave no record too wide.
     close : sequence of Fit
@@ -137,12 +137,12 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
     most = max(REST, min(RESEMBLES * level, WIDEST))
     if not best.effects:
         return "no_discrepancy" if level < OPEN and sound else "unexplained"
-    usual = OPEN if level < OPEN and not misshapen(problem, best) else 1.0
-    if (remains > usual and (closed < STANDS or remains > most)) or turning(problem, best) or wrong_by(problem, best):
+    misfit, usual = bool(misshapen(problem, best)), OPEN if level < OPEN else 1.0
+    if ((misfit or remains > usual) and (closed < STANDS or remains > most)) or turning(problem, best) or wrong_by(problem, best):
         return "unexplained"
     if close:
         return "ambiguous"
-    return explains(closed, left)
+    return "partly_explained" if misfit else explains(closed, left)
 
 
 def explains(closed: float, left: tuple[float, float]) -> Verdict:
