@@ -62,19 +62,19 @@ def make_columns(
 
     # Each with tables of its own, which serve all records. Of slow records alone they take no longer than children take to begin.
     share = side_by_side if any(record.quantity.moving for record in records) else map
-    slopes = list(zip(*share(moved, range(len(errors) + unknowns.outer)), strict=True))
-
-    def own(number: int) -> tuple[Array, Array, Array]:
-        record, here = beside[number]
-        wrong, outer = np.split(as_columns(slopes[number] if slopes else (), here), [len(errors)], axis=1)
+    slopes = list(share(moved, range(len(errors) + unknowns.outer)))
+    # Columns of all teeth are so long that children take longer to hand them over than they save.
+    inner, whole, rises = [], [], []
+    for number, (record, here) in enumerate(beside):
+        wrong, outer = np.split(as_columns([series[number] for series in slopes], here), [len(errors)], axis=1)
         linear = np.concatenate(
             [_constants(here, number, unknowns), error_columns(record, bench, settings, unknowns.scatter, here, errors, wrong)], axis=1
         )
         rise = EXPECTED_RISE * linear[:, -1] / np.maximum(np.abs(here - 1.0), LEAST)
-        return linear, noises[number].whitener.apply(np.concatenate([linear, outer * (1.0 + rise)[:, None]], axis=1)), rise
-
-    inner, whole, rises = zip(*share(own, range(len(records))), strict=True)
-    return inner, whole, rises
+        inner.append(linear)
+        whole.append(noises[number].whitener.apply(np.concatenate([linear, outer * (1.0 + rise)[:, None]], axis=1)))
+        rises.append(rise)
+    return tuple(inner), tuple(whole), tuple(rises)
 
 
 def as_columns(series: Sequence[Array], here: Array) -> Array:
