@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import dataclasses
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
@@ -13,7 +14,7 @@ import numpy as np
 
 from gearfem.definition.setup import Member
 from gearfem.diagnosis.fitting.approach import lost, moves_otherwise, unwound
-from gearfem.diagnosis.fitting.fit import Fit, attempt
+from gearfem.diagnosis.fitting.fit import Fit, again
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.ranking.candidate import Candidate, View, candidate_of, scored, view_of
 from gearfem.diagnosis.ranking.likely_teeth import late_tooth, starts_of
@@ -31,8 +32,8 @@ REFINED, WORTH = 2, 5.0
 LIKELIEST = 2
 # Places from which such an effect is fitted, under each set of nuisances: those that leave least as they stand.
 MET = 3
-# Rounds in which such fits begin where their derivatives are taken anew, and how many of them go on.
-BEGUN, LED = 2, 2
+# Rounds in which such fits begin; how many of them go on where derivatives are taken anew, and rounds of the one that does elsewhere.
+BEGUN, LED, ENDED = 2, 2, 4
 # Effects of all teeth that are looked at again beside what is found.
 LOOKED_AT = 8
 
@@ -109,16 +110,18 @@ def _ranked(
     if len(places):
         slow = view_of(problem.part(places), base, weights[places], squares[places])
 
-    def one(job: tuple[type[Effect], Member]) -> list[Candidate]:
+    def one(job: tuple[type[Effect], Member]) -> list[Candidate | list[Start]]:
         starts = starts_of(problem, view.base, *job)
         own = sizes.get(job)
-        tried = [_fitted(view, start, own) if stands(start) else _best(view, slow, start, own) for start in starts]
+        tried = [_nearest(view, start, own) if stands(start) else _best(view, slow, start, own) for start in starts]
         tried += [candidate_of(view, *late) for late in late_tooth(problem, view.base, *job)]
-        return [candidate for candidate in tried if candidate is not None]
+        return [candidate for candidate in tried if candidate]
 
     # The longest first, so that all cores end together.
-    for several in counted(one, sorted(jobs, key=lambda job: _tries(problem, job), reverse=True), progress, words):
-        found += several
+    several = counted(one, sorted(jobs, key=lambda job: _tries(problem, job), reverse=True), progress, words)
+    ranked = list(itertools.chain.from_iterable(several))
+    found = [candidate for candidate in ranked if isinstance(candidate, Candidate)]
+    found += _fitted(view, [places for places in ranked if isinstance(places, list)], progress, words)
     return tuple(sorted(found, key=lambda candidate: -candidate.gain))
 
 
@@ -129,8 +132,8 @@ def _tries(problem: Problem, job: tuple[type[Effect], Member]) -> tuple[bool, bo
     return stands(first), hasattr(first, "tooth"), len(spread_of(first, problem.campaign.setup))
 
 
-def _best(view: View, slow: View | None, start: Effect, sizes: list[Effect] | None = None) -> Candidate | None:
-    """Return the effect at the shape, and then the strength, that explain most; at given sizes alone where it has to be fitted."""
+def _best(view: View, slow: View | None, start: Effect, sizes: list[Effect] | None = None) -> Candidate | list[Start] | None:
+    """Return the effect at the shape, and then the strength, that explain most; `_nearest` where it has to be fitted."""
     setup = view.problem.campaign.setup
     if turns(start):
         likely = _waves(view, start)
@@ -141,7 +144,7 @@ def _best(view: View, slow: View | None, start: Effect, sizes: list[Effect] | No
     else:
         likely = _likeliest(slow, start) if slow is not None else []
     if not likely and slow is not None and any(record.quantity.moving for record in view.problem.records):
-        return _fitted(view, start, sizes)
+        return _nearest(view, start, sizes)
     likely = likely or [(effect, None) for effect in shapes_of(start, setup)]
     candidates = [candidate_of(view, effect, unknown) for effect, unknown in likely]
     good = [candidate for candidate in candidates if candidate is not None]
@@ -160,11 +163,11 @@ def _best(view: View, slow: View | None, start: Effect, sizes: list[Effect] | No
     return best
 
 
-def _fitted(view: View, start: Effect, sizes: list[Effect] | None = None) -> Candidate | None:
-    """Return an effect that cannot be scaled, or that motions alone feel, as fits from several places find it, of given sizes if any."""
+def _nearest(view: View, start: Effect, sizes: list[Effect] | None = None) -> list[Start]:
+    """Return where to fit an effect that cannot be scaled, or that motions alone feel, the nearest first, at given sizes if any."""
     problem, base = view.problem, view.base
     if not any(record.quantity.moving for record in problem.records):
-        return None
+        return []
     tried: list[tuple[float, Start]] = []
     for unknown in (base.point.unknown, *_elsewhere(view, start)):
         with contextlib.suppress(*UNCOMPUTABLE):
@@ -174,13 +177,48 @@ def _fitted(view: View, start: Effect, sizes: list[Effect] | None = None) -> Can
             pits = lowest(left) if scanned(start, problem.campaign.setup) else range(len(left))
             # Where nuisances do the work of an effect a little of it leaves less than all of it does where they have come back.
             tried += sorted(((left[place], starts[place]) for place in pits), key=lambda item: item[0])[:MET]
-    nearest = [place for _, place in sorted(tried, key=lambda item: item[0])]
-    if moves_otherwise(problem, base, (start,)):
-        return max(_candidates(view, _prepared(view, nearest)), key=lambda candidate: candidate.gain, default=None)
-    found = _fits(problem, nearest, 2, base.objective)
-    ahead = sorted(found, key=lambda fit: fit.objective)[:1]
-    fits = _fits(problem, [(fit.effects, fit.point.unknown) for fit in ahead], 4, base.objective)
-    return max(_candidates(view, fits), key=lambda candidate: candidate.gain, default=None)
+    return [place for _, place in sorted(tried, key=lambda item: item[0])]
+
+
+def _fitted(view: View, nearest: list[list[Start]], progress: Progress, words: str) -> list[Candidate]:
+    """Return each effect as fits from the places nearest to it find it: all of them begin side by side, and then few go on."""
+    owners = [number for number, places in enumerate(nearest) for _ in places]
+    starts = [start for places in nearest for start in places]
+    begun: list[list[Fit]] = [[] for _ in nearest]
+    for number, fit in zip(owners, counted(lambda start: _begun(view, start), starts, progress, f"{words}: fits begun"), strict=True):
+        begun[number] += [fit] if fit is not None else []
+    ended = counted(lambda fits: _ended(view, fits), [fits for fits in begun if fits], progress, f"{words}: fits")
+    return [candidate for candidate in ended if candidate is not None]
+
+
+def _begun(view: View, start: Start) -> Fit | None:
+    """Return a fit in its first rounds, with columns taken under its effect where this moves motions far off; None where there is none."""
+    effects, unknown = start
+    here = copy.copy(view.problem)
+    with contextlib.suppress(*UNCOMPUTABLE):
+        if moves_otherwise(view.problem, view.base, effects[-1:]):
+            unknown = here.prepare(effects, unknown)
+        return here.fit(effects, unknown, BEGUN, view.base.objective)
+    return None
+
+
+def _ended(view: View, begun: list[Fit]) -> Candidate | None:
+    """Return the last effect of those that lead lowest as begun, fitted to the end.
+
+    After the first one none goes on that stands above what one before it has come to, or above the fit that they build on.
+    """
+    problem, least, found = view.problem, view.base.objective, list[Fit]()
+    otherwise = moves_otherwise(problem, view.base, begun[0].effects[-1:])
+    for fit in sorted(begun, key=lambda fit: fit.objective)[: LED if otherwise else 1]:
+        if found and fit.objective >= least:
+            break
+        with contextlib.suppress(*UNCOMPUTABLE):
+            if otherwise:
+                found.append(again(copy.copy(problem), fit.effects, fit.point.stood, hopeless=least))
+            else:
+                found.append(problem.fit(fit.effects, fit.point.unknown, ENDED, least))
+            least = min(least, found[-1].objective)
+    return max(_candidates(view, found), key=lambda candidate: candidate.gain, default=None)
 
 
 def _sizes(view: View, start: Effect, unknown: Array) -> list[Effect]:
@@ -211,34 +249,6 @@ def _candidates(view: View, fits: list[Fit]) -> list[Candidate]:
             if signature @ signature > 0.0:
                 standing = scored(fit.effects[-1], signature, view.freed, problem.campaign.setup, fit.point.unknown)
                 found.append(dataclasses.replace(standing, gain=max(base.objective - fit.objective, 0.0), amplitude=1.0))
-    return found
-
-
-def _fits(problem: Problem, starts: list[Start], rounds: int, hopeless: float = np.inf) -> list[Fit]:
-    found = []
-    for effects, unknown in starts:
-        with contextlib.suppress(*UNCOMPUTABLE):
-            found.append(problem.fit(effects, unknown, rounds, hopeless))
-    return found
-
-
-def _prepared(view: View, starts: list[Start]) -> list[Fit]:
-    """Return fits with columns taken under their effects: of those that lead lowest in a few rounds.
-
-    After the first one none goes on that stands above what one before it has come to, or above the fit that they build on.
-    """
-    begun: list[Fit] = []
-    for effects, unknown in starts:
-        with contextlib.suppress(*UNCOMPUTABLE):
-            here = copy.copy(view.problem)
-            begun.append(here.fit(effects, here.prepare(effects, unknown), BEGUN, view.base.objective))
-    found, least = list[Fit](), view.base.objective
-    for fit in sorted(begun, key=lambda fit: fit.objective)[:LED]:
-        if found and fit.objective >= least:
-            break
-        if ended := attempt(view.problem, fit.effects, fit.point.stood, hopeless=least):
-            found.append(ended)
-            least = min(least, ended.objective)
     return found
 
 
