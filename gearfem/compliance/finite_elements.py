@@ -204,7 +204,7 @@ class FiniteElements(Record):
         used = np.any([np.any(weight != 0.0, axis=1).reshape(2, -1).any(axis=0) for weight in weights], axis=0)
         return self.support.structure(section, matrix, outline.gear.teeth, np.flatnonzero(used))
 
-    def _loaded(self, outline: Outline, u: Array) -> _Loaded:
+    def _loads(self, outline: Outline, u: Array) -> Loads:
         section, lines = self._mesh(outline), load_lines(outline, u)
         inside = covered(section, lines)
         if not inside.any():
@@ -212,10 +212,13 @@ class FiniteElements(Record):
             raise InputError(f"support {self.support.name}", found, "a position higher on the flank, or another support")
         lines = lines.kept(inside)
         load, reading = forces(section, lines), readings(section, lines)
-        matrix = stiffness(section.mesh, self.plane, outline.gear.material)
-        return _Loaded(section, matrix, lines, load, reading, self._structure(outline, section, matrix, load, reading))
+        return Loads(section, stiffness(section.mesh, self.plane, outline.gear.material), lines, load, reading)
 
-    def _columns(self, loaded: _Loaded) -> dict[str, Any]:
+    def _loaded(self, outline: Outline, u: Array) -> Loaded:
+        loads = self._loads(outline, u)
+        return Loaded(*loads, self._structure(outline, loads.section, loads.matrix, loads.load, loads.reading))
+
+    def _columns(self, loaded: Loaded) -> dict[str, Any]:
         return {
             "method": self.name,
             "support": self.support.name,
@@ -225,13 +228,23 @@ class FiniteElements(Record):
             "depth": loaded.lines.depth,
         }
 
-    def _local_depth(self, outline: Outline, loaded: _Loaded) -> Array:
+    def _local_depth(self, outline: Outline, loaded: Loaded) -> Array:
         squeezed = loaded.structure.displacements(loaded.load - loaded.reading, (0,))[0]
         return local_depth(loaded.section, outline, loaded.lines, squeezed, loaded.matrix, self.plane)
 
 
-class _Loaded(NamedTuple):
-    """A structure with its mesh, stiffness, and loads and readings of shape (2 n, k)."""
+class Loads(NamedTuple):
+    """A mesh, its stiffness, and loads and readings of shape (2 n, k)."""
+
+    section: SectionMesh
+    matrix: Any
+    lines: LoadLines
+    load: Array
+    reading: Array
+
+
+class Loaded(NamedTuple):
+    """The same and the structure that bears them."""
 
     section: SectionMesh
     matrix: Any

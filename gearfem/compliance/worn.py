@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.compliance.elasticity import stiffness
-from gearfem.compliance.finite_elements import OFFSETS, FiniteElements
+from gearfem.compliance.finite_elements import OFFSETS, FiniteElements, Loaded
 from gearfem.compliance.harmonic_ring import HarmonicRing
 from gearfem.compliance.load_lines import LoadLines, forces, load_lines, readings
 from gearfem.compliance.record import ToothCompliance
@@ -30,6 +31,8 @@ BEYOND = 1.1
 ROUNDED = 0.5
 # Turn of the loads from which their response is taken [rad].
 TURN = 1e-4
+# Rings that are remembered: those of both gears, and some megabytes each.
+RINGS = 2
 
 
 def worn_tooth(method: FiniteElements, outline: Outline, u: Array) -> ToothCompliance:
@@ -107,22 +110,26 @@ def odd_tooth(method: FiniteElements, outline: Outline, among: Outline, u: Array
 @remembered
 def _odd_tooth(method: FiniteElements, outline: Outline, among: Outline, u: Array) -> ToothCompliance:
     with one_thread():
-        loaded = method._loaded(outline, u)
-        ring = method._loaded(among, loaded.lines.u)
-        section = loaded.section
-        used = np.flatnonzero((loaded.load.any(axis=1) | loaded.reading.any(axis=1)).reshape(2, -1).any(axis=0))
-        sector = Sector(section, loaded.matrix, outline.gear.teeth, used)
-        if not isinstance(ring.structure, HarmonicRing):
+        own = method._loads(outline, u)
+        others = _ring(method, among, own.lines.u)
+        if not isinstance(others.structure, HarmonicRing):
             raise InputError("support", method.support.name, "bore: a tooth held at its root has no neighbours")
-        odd = OddSector(ring.structure, sector)
-        held = loaded._replace(structure=odd)
+        used = np.flatnonzero((own.load.any(axis=1) | own.reading.any(axis=1)).reshape(2, -1).any(axis=0))
+        odd = OddSector(others.structure, Sector(own.section, own.matrix, outline.gear.teeth, used))
+        held = Loaded(*own, odd)
         return ToothCompliance(
             **method._columns(held),
             outline=outline,
             offsets=OFFSETS,
-            coupling=odd.coupling(loaded.load, ring.load, OFFSETS),
+            coupling=odd.coupling(own.load, others.load, OFFSETS),
             local_depth=method._local_depth(outline, held),
         )
+
+
+@partial(remembered, kept=RINGS)
+def _ring(method: FiniteElements, outline: Outline, u: Array) -> Loaded:
+    """Return the ring of teeth that are all alike, loaded: one odd tooth after another takes its place among them."""
+    return method._loaded(outline, u)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,13 +15,15 @@ R = TypeVar("R")
 KEPT = 32
 
 
-def remembered(step: Callable[P, R]) -> Callable[P, R]:
+def remembered(step: Callable[P, R], kept: int = KEPT) -> Callable[P, R]:
     """Make a pure function of records return its earlier result where the content of its arguments is the same.
 
     Parameters
     ----------
     step : callable
-        Takes and returns records, arrays and plain values; the last 32 results are kept.
+        Takes and returns records, arrays and plain values.
+    kept : int
+        Number of results that are kept, the last ones; 32 by default.
 
     Returns
     -------
@@ -36,7 +38,7 @@ def remembered(step: Callable[P, R]) -> Callable[P, R]:
         if key not in memory:
             memory[key] = step(*args, **kwargs)
         memory.move_to_end(key)
-        if len(memory) > KEPT:
+        if len(memory) > kept:
             memory.popitem(last=False)
         return memory[key]
 
