@@ -102,7 +102,6 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
 def _ranked(
     problem: Problem, base: Fit, jobs: list[tuple[type[Effect], Member]], progress: Progress, words: str, before: Sequence[Effect] = ()
 ) -> tuple[Candidate, ...]:
-    found: list[Candidate] = []
     sizes = {(type(effect), effect.member): [effect] for effect in before}
     weights, squares = base.point.weights, base.squares
     view, slow = view_of(problem, base, weights, squares), None
@@ -121,7 +120,8 @@ def _ranked(
     several = counted(one, sorted(jobs, key=lambda job: _tries(problem, job), reverse=True), progress, words)
     ranked = list(itertools.chain.from_iterable(several))
     found = [candidate for candidate in ranked if isinstance(candidate, Candidate)]
-    found += _fitted(view, [places for places in ranked if isinstance(places, list)], progress, words)
+    if nearest := [places for places in ranked if isinstance(places, list)]:
+        found += _fitted(view, nearest, progress, words)
     return tuple(sorted(found, key=lambda candidate: -candidate.gain))
 
 
@@ -182,12 +182,12 @@ def _nearest(view: View, start: Effect, sizes: list[Effect] | None = None) -> li
 
 def _fitted(view: View, nearest: list[list[Start]], progress: Progress, words: str) -> list[Candidate]:
     """Return each effect as fits from the places nearest to it find it: all of them begin side by side, and then few go on."""
-    owners = [number for number, places in enumerate(nearest) for _ in places]
-    starts = [start for places in nearest for start in places]
-    begun: list[list[Fit]] = [[] for _ in nearest]
-    for number, fit in zip(owners, counted(lambda start: _begun(view, start), starts, progress, f"{words}: fits begun"), strict=True):
-        begun[number] += [fit] if fit is not None else []
-    ended = counted(lambda fits: _ended(view, fits), [fits for fits in begun if fits], progress, f"{words}: fits")
+    starts = [(number, start) for number, places in enumerate(nearest) for start in places]
+    begun: dict[int, list[Fit]] = {}
+    for (number, _), fit in zip(starts, counted(lambda item: _begun(view, item[1]), starts, progress, f"{words}: fits begun"), strict=True):
+        if fit is not None:
+            begun.setdefault(number, []).append(fit)
+    ended = counted(lambda fits: _ended(view, fits), list(begun.values()), progress, f"{words}: fits")
     return [candidate for candidate in ended if candidate is not None]
 
 
