@@ -204,7 +204,7 @@ class FiniteElements(Record):
         used = np.any([np.any(weight != 0.0, axis=1).reshape(2, -1).any(axis=0) for weight in weights], axis=0)
         return self.support.structure(section, matrix, outline.gear.teeth, np.flatnonzero(used))
 
-    def _loads(self, outline: Outline, u: Array) -> Loads:
+    def _loads(self, outline: Outline, u: Array) -> SectionLoads:
         section, lines = self._mesh(outline), load_lines(outline, u)
         inside = covered(section, lines)
         if not inside.any():
@@ -212,46 +212,35 @@ class FiniteElements(Record):
             raise InputError(f"support {self.support.name}", found, "a position higher on the flank, or another support")
         lines = lines.kept(inside)
         load, reading = forces(section, lines), readings(section, lines)
-        return Loads(section, stiffness(section.mesh, self.plane, outline.gear.material), lines, load, reading)
+        return SectionLoads(section, stiffness(section.mesh, self.plane, outline.gear.material), lines, load, reading)
 
-    def _loaded(self, outline: Outline, u: Array) -> Loaded:
+    def _loaded(self, outline: Outline, u: Array) -> tuple[SectionLoads, Structure]:
         loads = self._loads(outline, u)
-        return Loaded(*loads, self._structure(outline, loads.section, loads.matrix, loads.load, loads.reading))
+        return loads, self._structure(outline, loads.section, loads.matrix, loads.load, loads.reading)
 
-    def _columns(self, loaded: Loaded) -> dict[str, Any]:
+    def _columns(self, loads: SectionLoads, structure: Structure) -> dict[str, Any]:
         return {
             "method": self.name,
             "support": self.support.name,
-            "u": loaded.lines.u,
-            "radius": loaded.lines.radius,
-            "deflection": loaded.structure.deflection(loaded.load, loaded.reading),
-            "depth": loaded.lines.depth,
+            "u": loads.lines.u,
+            "radius": loads.lines.radius,
+            "deflection": structure.deflection(loads.load, loads.reading),
+            "depth": loads.lines.depth,
         }
 
-    def _local_depth(self, outline: Outline, loaded: Loaded) -> Array:
-        squeezed = loaded.structure.displacements(loaded.load - loaded.reading, (0,))[0]
-        return local_depth(loaded.section, outline, loaded.lines, squeezed, loaded.matrix, self.plane)
+    def _local_depth(self, outline: Outline, loads: SectionLoads, structure: Structure) -> Array:
+        squeezed = structure.displacements(loads.load - loads.reading, (0,))[0]
+        return local_depth(loads.section, outline, loads.lines, squeezed, loads.matrix, self.plane)
 
 
-class Loads(NamedTuple):
-    """A mesh, its stiffness, and loads and readings of shape (2 n, k)."""
-
-    section: SectionMesh
-    matrix: Any
-    lines: LoadLines
-    load: Array
-    reading: Array
-
-
-class Loaded(NamedTuple):
-    """The same and the structure that bears them."""
+class SectionLoads(NamedTuple):
+    """A meshed section, its stiffness, and loads and readings of shape (2 n, k)."""
 
     section: SectionMesh
     matrix: Any
     lines: LoadLines
     load: Array
     reading: Array
-    structure: Structure
 
 
 def changed(fine: Array, coarse: Array) -> Array:
@@ -267,15 +256,15 @@ def changed(fine: Array, coarse: Array) -> Array:
 @remembered
 def _curve(method: FiniteElements, outline: Outline, u: Array) -> ComplianceCurve:
     with one_thread():
-        return ComplianceCurve(**method._columns(method._loaded(outline, u)))
+        return ComplianceCurve(**method._columns(*method._loaded(outline, u)))
 
 
 @remembered
 def _tooth(method: FiniteElements, outline: Outline, u: Array, offsets: tuple[int, ...]) -> ToothCompliance:
     with one_thread():
-        loaded = method._loaded(outline, u)
-        if not isinstance(loaded.structure, HarmonicRing):
+        loads, ring = method._loaded(outline, u)
+        if not isinstance(ring, HarmonicRing):
             raise InputError("support", method.support.name, "bore: a tooth held at its root is not coupled to its neighbours")
-        coupling = loaded.structure.coupling(loaded.load, offsets)
-        depth = method._local_depth(outline, loaded)
-        return ToothCompliance(**method._columns(loaded), outline=outline, offsets=offsets, coupling=coupling, local_depth=depth)
+        coupling = ring.coupling(loads.load, offsets)
+        depth = method._local_depth(outline, loads, ring)
+        return ToothCompliance(**method._columns(loads, ring), outline=outline, offsets=offsets, coupling=coupling, local_depth=depth)

@@ -39,8 +39,8 @@ def likeness(tooth: ToothCompliance) -> Array:
 @remembered
 def _likeness(outline: Outline, u: Array) -> Array:
     with one_thread():
-        loaded = FiniteElements()._loaded(outline, u)
-        shown = loaded.reading.T @ loaded.structure.displacements(loaded.load, (0,))[0]
+        loads, structure = FiniteElements()._loaded(outline, u)
+        shown = loads.reading.T @ structure.displacements(loads.load, (0,))[0]
     scale = np.sqrt(np.diag(shown))
     table: Array = (shown + shown.T) / (2.0 * scale[:, None] * scale[None, :])
     return table

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.compliance.elasticity import stiffness
-from gearfem.compliance.finite_elements import OFFSETS, FiniteElements, Loaded
+from gearfem.compliance.finite_elements import OFFSETS, FiniteElements, SectionLoads
 from gearfem.compliance.harmonic_ring import HarmonicRing
 from gearfem.compliance.load_lines import LoadLines, forces, load_lines, readings
 from gearfem.compliance.record import ToothCompliance
 from gearfem.compliance.section_mesh import unworn
+from gearfem.compliance.supports import Structure
 from gearfem.compliance.uneven_ring import OddSector, Sector
 from gearfem.flank import Deviation, Outline
 from gearfem.foundation import Array, InputError, Record
@@ -111,24 +112,23 @@ def odd_tooth(method: FiniteElements, outline: Outline, among: Outline, u: Array
 def _odd_tooth(method: FiniteElements, outline: Outline, among: Outline, u: Array) -> ToothCompliance:
     with one_thread():
         own = method._loads(outline, u)
-        others = _ring(method, among, own.lines.u)
-        if not isinstance(others.structure, HarmonicRing):
+        others, ring = _others(method, among, own.lines.u)
+        if not isinstance(ring, HarmonicRing):
             raise InputError("support", method.support.name, "bore: a tooth held at its root has no neighbours")
         used = np.flatnonzero((own.load.any(axis=1) | own.reading.any(axis=1)).reshape(2, -1).any(axis=0))
-        odd = OddSector(others.structure, Sector(own.section, own.matrix, outline.gear.teeth, used))
-        held = Loaded(*own, odd)
+        odd = OddSector(ring, Sector(own.section, own.matrix, outline.gear.teeth, used))
         return ToothCompliance(
-            **method._columns(held),
+            **method._columns(own, odd),
             outline=outline,
             offsets=OFFSETS,
             coupling=odd.coupling(own.load, others.load, OFFSETS),
-            local_depth=method._local_depth(outline, held),
+            local_depth=method._local_depth(outline, own, odd),
         )
 
 
 @partial(remembered, kept=RINGS)
-def _ring(method: FiniteElements, outline: Outline, u: Array) -> Loaded:
-    """Return the ring of teeth that are all alike, loaded: one odd tooth after another takes its place among them."""
+def _others(method: FiniteElements, outline: Outline, u: Array) -> tuple[SectionLoads, Structure]:
+    """Return the loaded ring of teeth that are all alike: one odd tooth after another takes its place among them."""
     return method._loaded(outline, u)
 
 

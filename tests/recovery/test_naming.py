@@ -25,7 +25,7 @@ from gearfem.diagnosis.naming.name import _by_rows
 from gearfem.diagnosis.naming.naming import Verdict, sentence_of
 from gearfem.diagnosis.naming.search import Search
 from gearfem.diagnosis.naming.suspects import improbable, misshapen
-from gearfem.diagnosis.naming.verdict import _mirrored, _verdict_on, explains, judge, needed
+from gearfem.diagnosis.naming.verdict import _mirrored, _verdict_on, explains, judge, needed, remaining
 from gearfem.diagnosis.reading.measurement import make_record
 from gearfem.diagnosis.write import stderr
 from gearfem.effects.body_compliance import BodyCompliance
@@ -320,12 +320,10 @@ def test_what_leaves_no_gap_explains_the_whole_however_little_there_was(
         (1.3, 2.5, 0.0, "unexplained"),
         (2.5, 2.2, 0.0, "unexplained"),
         (1.3, 1.2, 9.0, "unexplained"),
-        (0.8, 0.8, 4.9, "explained"),
-        (0.8, 0.8, 9.0, "unexplained"),
     ],
 )
 def test_a_name_need_not_close_what_healthy_pairs_leave_too(found: Diagnosis, level: float, left: float, form: float, verdict: str) -> None:
-    """Unless a form stays on all teeth, in prior deviations, that it does not stand for: this leaves no gap either."""
+    """Unless a form stays on all teeth, in prior deviations, that it does not stand for."""
     problem, fit = found.problem, found.naming.fit
     unknown = fit.point.unknown.copy()
     unknown[problem.unknowns.wrong.stop] = form
@@ -334,15 +332,19 @@ def test_a_name_need_not_close_what_healthy_pairs_leave_too(found: Diagnosis, le
 
 
 @pytest.mark.parametrize(
-    ("form", "closed", "verdict"), [(0.0, 0.95, "explained"), (9.0, 0.95, "partly_explained"), (9.0, 0.5, "unexplained")]
+    ("form", "closed", "verdict"),
+    [(4.9, 0.5, "explained"), (9.0, 0.95, "explained"), (9.0, 0.7, "partly_explained"), (9.0, 0.5, "unexplained")],
 )
-def test_a_form_of_all_teeth_beside_a_name_is_left_to_be_explained(found: Diagnosis, form: float, closed: float, verdict: str) -> None:
-    """However little the records show of it, since it does the work of what is missing."""
+def test_forms_of_all_teeth_beside_a_name_are_left_to_be_explained(found: Diagnosis, form: float, closed: float, verdict: str) -> None:
+    """However little the records show of them, since they do the work of what is missing."""
     problem, fit = found.problem, found.naming.fit
     unknown = fit.point.unknown.copy()
+    unknown[problem.unknowns.forms] = 0.0
     unknown[problem.unknowns.forms.start] = form
-    fit = dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
-    assert _verdict_on(problem, fit, closed, (9.0, 0.8), sound=False, close=[]) == verdict
+    fit = dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown), squares=problem.floor)
+    assert (remaining(fit, problem) == 1.0) == (form > 5.0)
+    assert remaining(dataclasses.replace(fit, effects=()), problem) < 1.0
+    assert _verdict_on(problem, fit, closed, (9.0, remaining(fit, problem)), sound=False, close=[]) == verdict
 
 
 @pytest.mark.parametrize(("moved", "verdict"), [(4.9, "explained"), (-5.1, "unexplained")])

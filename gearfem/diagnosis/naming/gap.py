@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import math
 
 import numpy as np
@@ -74,22 +75,25 @@ def wide(problem: Problem, fit: Fit) -> list[tuple[str, float]]:
 def _within_reason(fit: Fit, problem: Problem) -> Array:
     """Return the mean squares, shape (r,), that a fit leaves with nuisances brought back to where they do the work of no effect.
 
-    Scales, errors of our own model, forms common to all teeth, and of the index errors waves and what stands out of a single tooth.
+    Scales, errors of our own model, forms common to all teeth together, and of the index errors waves and what stands out of a single
+    tooth. Where nuisances stand still, beside single teeth, forms do so too: what all teeth have is not asked there.
     """
-    unknowns, unknown, white = problem.unknowns, fit.point.unknown, fit.white
-    within = unknown.copy()
-    within[unknowns.scales] = np.clip(unknown[unknowns.scales], -STRAYED, STRAYED)
-    if not np.array_equal(within, unknown):
+    unknowns, point, white = problem.unknowns, fit.point, fit.white
+    within = point.unknown.copy()
+    within[unknowns.scales] = np.clip(within[unknowns.scales], -STRAYED, STRAYED)
+    if not np.array_equal(within, point.unknown):
         # What cannot be computed so far off stays as it is.
         with contextlib.suppress(*UNCOMPUTABLE):
             point = problem.at(fit.effects, within)
-            unknown, white = point.unknown, problem.whiten(problem.left(point))
-    back = np.zeros(len(unknown))
-    back[unknowns.wrong] = unknown[unknowns.wrong] - np.clip(unknown[unknowns.wrong], -STRAYED, STRAYED)
-    forms = unknown[unknowns.forms]
-    back[unknowns.forms] = forms * (1.0 - STRAYED / max(float(np.linalg.norm(forms)), STRAYED))
+            white = problem.whiten(problem.left(point))
+    unknown, back = point.unknown, np.zeros(len(point.unknown))
+    for own in (unknowns.wrong, slice(unknowns.ways.start, None)):
+        back[own] = unknown[own] - np.clip(unknown[own], -STRAYED, STRAYED)
+    if problem.outer:
+        forms = unknown[unknowns.forms]
+        back[unknowns.forms] = forms * (1.0 - STRAYED / max(float(np.linalg.norm(forms)), STRAYED))
     if not unknowns.scatter.common:
         gears = np.split(unknown[unknowns.late], [problem.campaign.setup.pair.pinion.teeth])
-        stray = uneven(problem, fit)[1] > STRAYED
+        stray = uneven(problem, dataclasses.replace(fit, point=point))[1] > STRAYED
         back[unknowns.late] = np.concatenate([waves_of(late) * stray[number] + odd_of(late) for number, late in enumerate(gears)])
     return np.asarray(problem.squares(white + problem.linear.moved(back[problem.outer :])) / problem.counts)

@@ -13,7 +13,7 @@ from gearfem.diagnosis.fitting.score import label, simplicity
 from gearfem.diagnosis.modelling.pitch_point import turns_round
 from gearfem.diagnosis.naming.gap import closure, gap_left
 from gearfem.diagnosis.naming.naming import BEYOND, Naming, Rival, Verdict, sentence_of
-from gearfem.diagnosis.naming.verdict import explains
+from gearfem.diagnosis.naming.verdict import explains, remaining
 from gearfem.foundation import Array
 from gearfem.foundation.progress import Progress
 from gearfem.foundation.side_by_side import counted
@@ -41,7 +41,7 @@ def told_apart(problem: Problem, mean: Problem, naming: Naming, progress: Progre
         for one, cost in sorted(costs.items(), key=lambda item: item[1])
         if one is not best
     )
-    closed, level, remains = closure(naming.alone, best.fit, mean), *(gap_left(fit, mean) for fit in (naming.alone, best.fit))
+    closed, level, remains = closure(naming.alone, best.fit, mean), gap_left(naming.alone, mean), remaining(best.fit, mean)
     verdict: Verdict = "ambiguous" if len(close) > 1 else explains(closed, (level, remains))
     return dataclasses.replace(
         naming,

@@ -70,7 +70,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         twins = list(exchanged(fit))
         scores |= dict.fromkeys(twins, scores[fit])
         barred |= dict.fromkeys(twins, barred.get(fit, ""))
-    level, remains = (gap_left(fit, search.problem) for fit in (alone, best))
+    level, remains = gap_left(alone, search.problem), remaining(best, search.problem)
     suspects = (*astray(search), *turning(search.problem, alone), *misshapen(search.problem, alone))
     kept = wide(search.problem, alone)
     close = [fit for fit, why in barred.items() if len(fit.effects) <= len(best.effects) and not why]
@@ -81,7 +81,7 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
     if verdict == "ambiguous":
         # Of explanations that fit alike the simplest is named: fewest effects, then fewest parameters.
         best = min([best, *close], key=lambda fit: (simplicity(fit.effects), scores[fit]))
-        closed, remains = closure(alone, best, search.problem), gap_left(best, search.problem)
+        closed, remains = closure(alone, best, search.problem), remaining(best, search.problem)
     named = best if verdict in ("explained", "partly_explained", "ambiguous") else alone
     others = {fit: scores[fit] - scores[named] for fit in sorted(scores, key=scores.__getitem__) if fit.effects and fit is not named}
     return Naming(
@@ -101,19 +101,20 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
         sentence=sentence_of(verdict, named, closed),
         reasons=(
             f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search, best.effects):.0f}.",
-            f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(remains)}.",
+            f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(gap_left(best, search.problem))}.",
             *([ALL_THE_SAME] if named.effects and level < OPEN else ()),
-            *_of_nuisances(suspects, kept),
+            *_of_nuisances("Nuisances alone", suspects, kept),
+            *(_of_nuisances("Beside the best explanation", misshapen(search.problem, best), ()) if best.effects else ()),
         ),
     )
 
 
-def _of_nuisances(suspects: Iterable[tuple[str, float]], kept: Iterable[tuple[str, float]]) -> Iterator[str]:
+def _of_nuisances(where: str, suspects: Iterable[tuple[str, float]], kept: Iterable[tuple[str, float]]) -> Iterator[str]:
     """Yield in words which nuisances may do the work of effects, and which records they leave too wide."""
     for words, moved in suspects:
-        yield f"Nuisances alone: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
+        yield f"{where}: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
     for file, size in kept:
-        yield f"Nuisances alone: {file} keeps {size:.1f} times its noise: a gap of its rows together, even where none is one by itself."
+        yield f"{where}: {file} keeps {size:.1f} times its noise: a gap of its rows together, even where none is one by itself."
 
 
 def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, float], sound: bool, close: Sequence[Fit]) -> Verdict:
@@ -126,8 +127,8 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
     closed : float
         Share of the gap that it closes.
     left : (float, float)
-        What nuisances alone leave and what it leaves, in gaps; of less than `OPEN`, as some healthy pairs leave, no share need be closed,
-        unless a form of all teeth or another error of the model stays too large beside the name: what does the work of an effect is left.
+        What nuisances alone leave and what remains of it; of less than `OPEN`, as some healthy pairs leave, no share need be closed,
+        unless an error of the model stays too large beside the name.
     sound : bool
         Whether nuisances alone do the work of no effect, and leave no record too wide.
     close : sequence of Fit
@@ -137,12 +138,19 @@ def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, f
     most = max(REST, min(RESEMBLES * level, WIDEST))
     if not best.effects:
         return "no_discrepancy" if level < OPEN and sound else "unexplained"
-    misfit, usual = bool(misshapen(problem, best)), OPEN if level < OPEN else 1.0
-    if ((misfit or remains > usual) and (closed < STANDS or remains > most)) or turning(problem, best) or wrong_by(problem, best):
+    usual = OPEN if level < OPEN and not misshapen(problem, best) else 1.0
+    if (remains >= usual and (closed < STANDS or remains > most)) or turning(problem, best) or wrong_by(problem, best):
         return "unexplained"
-    if close:
-        return "ambiguous"
-    return "partly_explained" if misfit else explains(closed, left)
+    return "ambiguous" if close else explains(closed, left)
+
+
+def remaining(fit: Fit, problem: Problem) -> float:
+    """Return what effects leave, in gaps: at least one where forms or other errors too large to be any do the work of what is missing.
+
+    Beside single teeth these are left to what is said of all teeth.
+    """
+    left = gap_left(fit, problem)
+    return max(left, 1.0) if fit.effects and problem.outer and misshapen(problem, fit) else left
 
 
 def explains(closed: float, left: tuple[float, float]) -> Verdict:
