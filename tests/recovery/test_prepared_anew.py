@@ -18,7 +18,7 @@ from gearfem.diagnosis.fitting.eased import eased, to_a_factor
 from gearfem.diagnosis.fitting.fit import again
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.bench import neutral
-from gearfem.diagnosis.ranking.rank import _prepared, rank
+from gearfem.diagnosis.ranking.rank import _led_on, rank
 from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.effects.effect import Effect
 from gearfem.effects.pitting import Pitting
@@ -135,29 +135,26 @@ def test_fits_of_a_candidate_go_on_where_they_stand_below_what_has_been_found(
     """Places are what a few rounds from there leave."""
     gone = list[float]()
 
-    def attempt(problem: object, effects: object, place: float, hopeless: float) -> Any:
+    def again(problem: object, effects: object, place: float, hopeless: float) -> Any:
         gone.append(place)
         return SimpleNamespace(objective=ends[place])
 
-    def fit(effects: object, place: float, *_: float) -> Any:
-        return SimpleNamespace(effects=effects, objective=place, point=SimpleNamespace(stood=place))
-
-    monkeypatch.setattr(sys.modules[_prepared.__module__], "attempt", attempt)
-    problem = SimpleNamespace(fit=fit, prepare=lambda effects, place: place)
-    view: Any = SimpleNamespace(problem=problem, base=SimpleNamespace(objective=586.0))
-    starts: Any = [((), place) for place in begun]
-    assert [fit.objective for fit in _prepared(view, starts)] == left
+    module = sys.modules[rank.__module__]
+    monkeypatch.setattr(module, "again", again)
+    monkeypatch.setattr(module, "moves_otherwise", lambda *_: True)
+    view: Any = SimpleNamespace(problem=SimpleNamespace(), base=SimpleNamespace(objective=586.0))
+    fits: Any = [SimpleNamespace(effects=(), objective=place, point=SimpleNamespace(stood=place)) for place in begun]
+    assert [fit.objective for fit in _led_on(view, fits)] == left
     assert gone == led
 
 
 def test_what_is_ranked_again_beside_known_effects_begins_from_the_size_it_had(monkeypatch: pytest.MonkeyPatch, campaign: Path) -> None:
     """Under each set of nuisances; what was not ranked before is tried at sizes of its own."""
-    module, begun = sys.modules[_prepared.__module__], list[Any]()
+    module, begun = sys.modules[rank.__module__], list[Any]()
     setup, before, own = read_campaign(campaign).setup, *(SensorResonance(frequency=hertz, ratio=0.1) for hertz in (700.0, 3000.0))
     monkeypatch.setattr(module, "_elsewhere", lambda view, start: [np.ones(3)])
-    monkeypatch.setattr(module, "moves_otherwise", lambda *_: True)
     monkeypatch.setattr(module, "_sizes", lambda view, start, unknown: [own])
-    monkeypatch.setattr(module, "_prepared", lambda view, starts: begun.extend(starts) or [])
+    monkeypatch.setattr(module, "_begun", lambda view, start: begun.append(start))
     monkeypatch.setattr(module, "view_of", lambda problem, base, *_: SimpleNamespace(problem=problem, base=base))
     monkeypatch.setattr(module, "starts_of", lambda problem, base, kind, member: [kind.example(setup, member)])
     monkeypatch.setattr(module, "late_tooth", lambda *_: [])

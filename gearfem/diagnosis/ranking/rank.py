@@ -203,7 +203,12 @@ def _begun(view: View, start: Start) -> Fit | None:
 
 
 def _ended(view: View, begun: list[Fit]) -> Candidate | None:
-    """Return the last effect of those that lead lowest as begun, fitted to the end.
+    """Return the last effect of fits as begun, where those that lead lowest end."""
+    return max(_candidates(view, _led_on(view, begun)), key=lambda candidate: candidate.gain, default=None)
+
+
+def _led_on(view: View, begun: list[Fit]) -> list[Fit]:
+    """Return those of one effect that lead lowest as begun, fitted to the end.
 
     After the first one none goes on that stands above what one before it has come to, or above the fit that they build on.
     """
@@ -218,7 +223,7 @@ def _ended(view: View, begun: list[Fit]) -> Candidate | None:
             else:
                 found.append(problem.fit(fit.effects, fit.point.unknown, ENDED, least))
             least = min(least, found[-1].objective)
-    return max(_candidates(view, found), key=lambda candidate: candidate.gain, default=None)
+    return found
 
 
 def _sizes(view: View, start: Effect, unknown: Array) -> list[Effect]:
