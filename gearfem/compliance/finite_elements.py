@@ -13,7 +13,7 @@ from gearfem.compliance.field import Field, make_field
 from gearfem.compliance.harmonic_ring import HarmonicRing
 from gearfem.compliance.load_lines import LoadLines, covered, forces, load_lines, readings
 from gearfem.compliance.local_depth import local_depth
-from gearfem.compliance.patchwork import refuse_folds
+from gearfem.compliance.patchwork import Ids, refuse_folds
 from gearfem.compliance.record import ComplianceCurve, ToothCompliance
 from gearfem.compliance.section_mesh import SectionMesh
 from gearfem.compliance.supports import Bore, Structure, Support
@@ -201,8 +201,7 @@ class FiniteElements(Record):
 
     def _structure(self, outline: Outline, section: SectionMesh, matrix: Any, *weights: Array) -> Structure:
         """Return the structure of this stiffness matrix that takes these nodal forces and readings."""
-        used = np.any([np.any(weight != 0.0, axis=1).reshape(2, -1).any(axis=0) for weight in weights], axis=0)
-        return self.support.structure(section, matrix, outline.gear.teeth, np.flatnonzero(used))
+        return self.support.structure(section, matrix, outline.gear.teeth, used_by(*weights))
 
     def _loads(self, outline: Outline, u: Array) -> SectionLoads:
         section, lines = self._mesh(outline), load_lines(outline, u)
@@ -241,6 +240,11 @@ class SectionLoads(NamedTuple):
     lines: LoadLines
     load: Array
     reading: Array
+
+
+def used_by(*weights: Array) -> Ids:
+    """Return the nodes that take any of some loads or readings, shapes (2 n, k)."""
+    return np.flatnonzero(np.any([np.any(weight != 0.0, axis=1).reshape(2, -1).any(axis=0) for weight in weights], axis=0))
 
 
 def changed(fine: Array, coarse: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.compliance.elasticity import stiffness
-from gearfem.compliance.finite_elements import OFFSETS, FiniteElements, SectionLoads
+from gearfem.compliance.finite_elements import OFFSETS, FiniteElements, SectionLoads, used_by
 from gearfem.compliance.harmonic_ring import HarmonicRing
 from gearfem.compliance.load_lines import LoadLines, forces, load_lines, readings
 from gearfem.compliance.record import ToothCompliance
@@ -115,8 +115,7 @@ def _odd_tooth(method: FiniteElements, outline: Outline, among: Outline, u: Arra
         others, ring = _others(method, among, own.lines.u)
         if not isinstance(ring, HarmonicRing):
             raise InputError("support", method.support.name, "bore: a tooth held at its root has no neighbours")
-        used = np.flatnonzero((own.load.any(axis=1) | own.reading.any(axis=1)).reshape(2, -1).any(axis=0))
-        odd = OddSector(ring, Sector(own.section, own.matrix, outline.gear.teeth, used))
+        odd = OddSector(ring, Sector(own.section, own.matrix, outline.gear.teeth, used_by(own.load, own.reading)))
         return ToothCompliance(
             **method._columns(own, odd),
             outline=outline,

@@ -13,6 +13,12 @@ from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.index_errors import odd_of, turns_often, uneven, waves_of
 from gearfem.diagnosis.fitting.score import stays
 from gearfem.diagnosis.naming.gap import closure
+from gearfem.foundation import Array
+
+
+def _at(fit: Fit, unknown: Array) -> Fit:
+    """Return a fit with other unknowns, as if it had ended there and left what it left."""
+    return dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
 
 
 def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> None:
@@ -24,7 +30,7 @@ def test_waves_of_index_errors_do_the_work_of_an_effect(found: Diagnosis) -> Non
         unknown = np.zeros_like(fit.point.unknown)
         unknown[late] = np.random.default_rng(5).normal(size=30)
         unknown[late][13:] += wave * np.cos(order * turn + 0.3)
-        return dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
+        return _at(fit, unknown)
 
     chance, wavy = with_errors(0.0), with_errors(6.0)
     tooth, waves = uneven(problem, wavy)
@@ -46,7 +52,7 @@ def test_errors_of_the_model_that_do_the_work_of_an_effect_close_no_gap(found: D
     def with_bodies(moved: float) -> Fit:
         unknown = np.zeros_like(fit.point.unknown)
         unknown[problem.unknowns.wrong][1] = moved
-        return dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
+        return _at(fit, unknown)
 
     assert closure(with_bodies(2.9), with_bodies(0.0), problem) == pytest.approx(0.0, abs=1e-9)
     assert closure(with_bodies(8.0), with_bodies(0.0), problem) > 0.2
@@ -60,7 +66,7 @@ def test_forms_of_all_teeth_that_do_the_work_of_an_effect_close_no_gap(found: Di
     def with_forms(size: float) -> Fit:
         unknown = np.zeros_like(fit.point.unknown)
         unknown[forms][:2] = 0.6 * size, 0.8 * size
-        return dataclasses.replace(fit, point=dataclasses.replace(fit.point, unknown=unknown))
+        return _at(fit, unknown)
 
     assert closure(with_forms(2.9), with_forms(0.0), problem) == pytest.approx(0.0, abs=1e-9)
     assert closure(with_forms(40.0), with_forms(0.0), problem) > 0.2

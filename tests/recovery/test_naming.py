@@ -315,12 +315,7 @@ def test_what_leaves_no_gap_explains_the_whole_however_little_there_was(
 
 @pytest.mark.parametrize(
     ("level", "left", "form", "verdict"),
-    [
-        (1.3, 1.2, 0.0, "explained"),
-        (1.3, 2.5, 0.0, "unexplained"),
-        (2.5, 2.2, 0.0, "unexplained"),
-        (1.3, 1.2, 9.0, "unexplained"),
-    ],
+    [(1.3, 1.2, 0.0, "explained"), (1.3, 2.5, 0.0, "unexplained"), (2.5, 2.2, 0.0, "unexplained"), (1.3, 1.2, 9.0, "unexplained")],
 )
 def test_a_name_need_not_close_what_healthy_pairs_leave_too(found: Diagnosis, level: float, left: float, form: float, verdict: str) -> None:
     """Unless a form stays on all teeth, in prior deviations, that it does not stand for."""

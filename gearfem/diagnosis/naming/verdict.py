@@ -32,7 +32,8 @@ REST = 2.4
 # Part of what nuisances alone leave that may remain all the same, and gaps at most: shapes of real effects differ from ours. Right names
 # have left up to 0.10 of it and 3.1 gaps, wrong ones in the place of bodies and leads 0.26 and more, or, for an encoder, 560 gaps.
 RESEMBLES, WIDEST = 0.15, 4.0
-# What is said of a name beside nuisances that leave no gap.
+# What is said of a record off the rig that nuisances leave too wide, and of a name beside nuisances that leave no gap.
+TOO_WIDE = "Nuisances alone: {file} keeps {size:.1f} times its noise: a gap of its rows together, even where none is one by itself."
 ALL_THE_SAME = "It is named all the same: nuisances leave as little only with values that are by so much less likely."
 
 
@@ -103,18 +104,17 @@ def judge(search: Search, shown: tuple[Identifiability, ...]) -> Naming:
             f"The best explanation gains {gained:.0f} in the score; a name needs {needed(search, best.effects):.0f}.",
             f"Nuisances alone leave {gaps(level)}; the best explanation leaves {gaps(gap_left(best, search.problem))}.",
             *([ALL_THE_SAME] if named.effects and level < OPEN else ()),
-            *_of_nuisances("Nuisances alone", suspects, kept),
-            *(_of_nuisances("Beside the best explanation", misshapen(search.problem, best), ()) if best.effects else ()),
+            *_far_off("Nuisances alone", suspects),
+            *(TOO_WIDE.format(file=file, size=size) for file, size in kept),
+            *(_far_off("Beside the best explanation", misshapen(search.problem, best)) if best.effects else ()),
         ),
     )
 
 
-def _of_nuisances(where: str, suspects: Iterable[tuple[str, float]], kept: Iterable[tuple[str, float]]) -> Iterator[str]:
-    """Yield in words which nuisances may do the work of effects, and which records they leave too wide."""
+def _far_off(where: str, suspects: Iterable[tuple[str, float]]) -> Iterator[str]:
+    """Yield in words which nuisances and errors of the model may do the work of effects."""
     for words, moved in suspects:
         yield f"{where}: {words} {moved:+.1f} prior deviations from what the model has, where it may do the work of an effect."
-    for file, size in kept:
-        yield f"{where}: {file} keeps {size:.1f} times its noise: a gap of its rows together, even where none is one by itself."
 
 
 def _verdict_on(problem: Problem, best: Fit, closed: float, left: tuple[float, float], sound: bool, close: Sequence[Fit]) -> Verdict:

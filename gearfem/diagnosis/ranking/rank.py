@@ -55,7 +55,7 @@ def rank(
     kinds : mapping of str to type
         Effects to try.
     progress : Progress
-        Told after each effect.
+        Told after each effect, and then after each fit.
     before : sequence of Effect
         As the same records have had them, less known beside: what is fitted from several sizes begins from theirs alone.
 
@@ -83,7 +83,7 @@ def rank_again(problem: Problem, base: Fit, candidates: tuple[Candidate, ...], p
     candidates : tuple of Candidate
         From `rank` for the nuisances alone: their signatures tell which effects are worth another look.
     progress : Progress
-        Told after each effect.
+        Told after each effect, and then after each fit.
 
     Returns
     -------
