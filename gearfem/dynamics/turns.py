@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gearfem.dynamics.record import DriveTrain
-from gearfem.dynamics.turns_plan import STRIDE, kernels, make_plan, rows_of, teeth_of, train_of
+from gearfem.dynamics.turns_plan import STRIDE, Plan, kernels, make_plan, rows_of, teeth_of, train_of
 from gearfem.dynamics.waves import slow_torque
 from gearfem.engagement.turns import Turns, static
 from gearfem.foundation import Array, InputError, Record, SolveError
@@ -151,13 +151,7 @@ def march_turns(
     begin = math.floor(samples[0]) - plan.settling
     rows, count = rows_of(turns, begin, samples[-1])
     error, at_angles, means = np.empty(angle.size), np.empty((4, angle.size if loads else 0)), np.zeros(4)
-    if start is None:
-        lag, rate = _slow_start(turns, drive, torque, begin, speed)
-        deflection = torque / pair.pinion.base_radius / plan.stiffness
-        lag, rate = lag + kick[0] * deflection, rate + kick[1] * deflection * speed * pair.pinion.teeth
-        moved = (turns.mesh.placement.support - plan.placement.support) * torque / pair.pinion.base_radius
-        start = plan.train.start(torque, pair.ratio, pair.pinion.base_radius, lag - moved, rate)
-    state = np.array(start)
+    state = np.array(_slow_start(turns, drive, plan, speed, torque, begin, kick) if start is None else start)
     wheel_torque = kernels().march(
         begin,
         plan.settling,
@@ -203,11 +197,19 @@ def kw_places(pitches: int) -> Array:
     return np.arange(pitches * KW_ANGLES) / KW_ANGLES
 
 
-def _slow_start(turns: Turns, drive: DriveTrain, torque: float, begin: int, speed: float) -> tuple[float, float]:
-    """Return transmission error and its rate of the slow engagement at the start; without friction, which reverses just there."""
-    pitch = turns.mesh.placement.pair.pinion.pitch_angle
+def _slow_start(turns: Turns, drive: DriveTrain, plan: Plan, speed: float, torque: float, begin: int, kick: tuple[float, float]) -> Array:
+    """Return coordinates and rates (2, n) of the slow engagement at a pitch, and the kick besides.
+
+    The slow engagement goes without friction, which reverses just there.
+    """
+    pair = turns.mesh.placement.pair
+    pitch, radius = pair.pinion.pitch_angle, pair.pinion.base_radius
     small = 1e-3 * pitch
     at = begin * pitch + np.array([0.0, small])
-    load = slow_torque(drive, torque, at, turns.mesh.placement.pair.ratio)
+    load = slow_torque(drive, torque, at, pair.ratio)
     error = static(turns, at, np.maximum(load, 0.05 * torque)).transmission_error
-    return float(error[0]), float((error[1] - error[0]) / small * speed)
+    lag, rate = float(error[0]), float((error[1] - error[0]) / small * speed)
+    deflection = torque / radius / plan.stiffness
+    lag, rate = lag + kick[0] * deflection, rate + kick[1] * deflection * speed * pair.pinion.teeth
+    moved = (turns.mesh.placement.support - plan.placement.support) * torque / radius
+    return plan.train.start(torque, pair.ratio, radius, lag - moved, rate)
