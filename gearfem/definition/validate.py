@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import math
 import typing
@@ -14,6 +13,7 @@ from pydantic.fields import FieldInfo
 
 from gearfem.definition.schema import REASONS, Model, field_of, valid_names
 from gearfem.foundation import InputError
+from gearfem.foundation.errors import nearest
 from gearfem.foundation.units import SUFFIXES
 
 HELICAL = "spur gears only: helical gears are not supported: gearfem computes spur gears"
@@ -149,10 +149,7 @@ def _nearest(path: Path) -> str:
     table, key = ".".join(path[:-1]), path[-1]
     here = names.get(table, ())
     elsewhere = [f"{other}.{key}" if other else key for other, keys in names.items() if key in keys]
-    close = elsewhere or difflib.get_close_matches(key, here, n=1, cutoff=0.5)
-    if close:
-        return f"{close[0]} (the nearest valid name)"
-    return ", ".join(here)
+    return f"{elsewhere[0]} (the nearest valid name)" if elsewhere else nearest(key, here)
 
 
 def allowed(path: Path) -> str:

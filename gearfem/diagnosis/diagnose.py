@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-import difflib
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -26,6 +25,7 @@ from gearfem.diagnosis.reading.campaign import Campaign
 from gearfem.diagnosis.suggest import Suggestion, suggest
 from gearfem.effects.effect import Effect
 from gearfem.foundation import UNCOMPUTABLE, InputError, Record
+from gearfem.foundation.errors import nearest
 from gearfem.foundation.progress import Progress, quiet
 
 # Draws of noise behind each map.
@@ -202,8 +202,7 @@ def choose(kinds: Mapping[str, type[Effect]], only: Iterable[str] = (), exclude:
     wanted, unwanted = ({names} if isinstance(names, str) else set(names) for names in (only, exclude))
     for option, names in (("--only", wanted), ("--exclude", unwanted)):
         for word in sorted(names - set(kinds)):
-            close = difflib.get_close_matches(word, kinds, n=1, cutoff=0.5)
-            raise InputError(option, f'"{word}"', f"{close[0]} (the nearest valid name)" if close else ", ".join(sorted(kinds)))
+            raise InputError(option, f'"{word}"', nearest(word, sorted(kinds)))
     left = {key: kind for key, kind in kinds.items() if (not wanted or key in wanted) and key not in unwanted}
     if not left:
         raise InputError("--only, --exclude", "no effect left", "at least one effect to choose among")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import functools
 import importlib
 import importlib.metadata
@@ -22,6 +21,7 @@ from gearfem.definition.setup import Setup
 from gearfem.definition.validate import shown
 from gearfem.effects.effect import HISTORY, MEMBERS, STAGES, Effect
 from gearfem.foundation import InputError, digest
+from gearfem.foundation.errors import nearest
 from gearfem.foundation.units import factor
 
 ENTRY_POINTS = "gearfem.effects"
@@ -162,12 +162,12 @@ def _read(table: Mapping[str, Any], known: Mapping[str, type[Effect]]) -> Effect
     name = table.get("name")
     if not isinstance(name, str) or name not in known:
         found = "nothing" if name is None else shown(name)
-        raise InputError("name", found, _nearest(str(name), known))
+        raise InputError("name", found, nearest(str(name), known))
     kind = known[name]
     keys = kind.keys()
     for key in table:
         if key != "name" and key not in keys:
-            raise InputError(key, "an unknown key", _nearest(key, keys))
+            raise InputError(key, "an unknown key", nearest(key, keys))
     values: dict[str, Any] = {}
     for key, field in keys.items():
         if key not in table:
@@ -193,12 +193,6 @@ def _kind_of(kind: type[Effect], field: str) -> str:
     if field == "gear":
         return '"pinion" or "wheel"'
     return "an integer, the number of a tooth" if field == "tooth" else f"a number ({kind.parameters()[field].words})"
-
-
-def _nearest(word: str, names: Iterable[str]) -> str:
-    names = list(names)
-    close = difflib.get_close_matches(word, names, n=1, cutoff=0.5)
-    return f"{close[0]} (the nearest valid name)" if close else ", ".join(names)
 
 
 def in_history(effects: Iterable[Effect]) -> tuple[Effect, ...]:

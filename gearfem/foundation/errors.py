@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class InputError(ValueError):
     """Input that cannot be used, said in one line: where, what was found, what is allowed.
@@ -55,6 +58,21 @@ def not_utf8(error: UnicodeDecodeError, kind: str, file: str) -> InputError:
     """
     line, wrong = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
     return InputError(f"line {line}", f"the byte 0x{wrong:02x}, which is not UTF-8", f"{kind} text in UTF-8, no other encoding", file)
+
+
+def nearest(word: str, names: Iterable[str]) -> str:
+    """Return what is allowed where a name is none: the nearest valid one, or all where none is near.
+
+    Parameters
+    ----------
+    word : str
+        As found.
+    names : iterable of str
+        The valid ones.
+    """
+    names = list(names)
+    close = difflib.get_close_matches(word, names, n=1)
+    return f"{close[0]} (the nearest valid name)" if close else ", ".join(names)
 
 
 class EffectError(Exception):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,6 +13,7 @@ from gearfem.definition.setup import GearPair
 from gearfem.definition.validate import shown
 from gearfem.diagnosis.reading.quantities import QUANTITIES
 from gearfem.foundation import InputError
+from gearfem.foundation.errors import nearest
 
 NotNegative = Annotated[float, Field(ge=0.0, lt=1e12)]
 Positive = Annotated[float, Field(gt=0.0, lt=1e12)]
@@ -190,15 +190,14 @@ def _refusal(kind: str, place: tuple[int | str, ...], found: Any) -> InputError:
     if kind == "extra_forbidden":
         tables: dict[str, type[BaseModel]] = {"record": PlannedRecord, "scatter": ScatterTable, "instrument": InstrumentTable}
         names = list(tables.get(str(place[0]) if len(place) > 1 else "", Plan).model_fields)
-        return InputError(where, "an unknown key", ", ".join(difflib.get_close_matches(key, names, n=1, cutoff=0.5) or names))
+        return InputError(where, "an unknown key", nearest(key, names))
     return InputError(where, "nothing" if kind == "missing" else shown(found), WORDS[key])
 
 
 def _check(where: str, record: PlannedRecord, pair: GearPair) -> None:
     """Refuse keys that a quantity needs and lacks, or that mean nothing with it."""
     if record.quantity not in QUANTITIES:
-        close = difflib.get_close_matches(record.quantity, QUANTITIES, n=1, cutoff=0.5)
-        raise InputError(f"{where}.quantity", shown(record.quantity), f'"{close[0]}" (the nearest)' if close else WORDS["quantity"])
+        raise InputError(f"{where}.quantity", shown(record.quantity), nearest(record.quantity, QUANTITIES))
     quantity = QUANTITIES[record.quantity]
     rules = {
         "pinion_torque_Nm": not quantity.of_gear,

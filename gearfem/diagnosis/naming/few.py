@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.stats import chi2
@@ -64,7 +65,7 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
     if chance > CHANCE:
         return dataclasses.replace(naming, verdict="no_discrepancy", sentence=sentence_of("no_discrepancy", alone, 1.0), reasons=seen)
     fits = _closing(search, candidates, progress)
-    reasons = (*seen, f"{len(fits)} effects close the gap alone; so few numbers cannot decide between them.")
+    reasons = (*seen, _undecided(fits))
     if len(fits) < 2:
         return dataclasses.replace(naming, verdict="unexplained", sentence=sentence_of("unexplained", alone, 0.0), reasons=reasons)
     best = fits[0]
@@ -93,6 +94,15 @@ def judge_few(search: Search, naming: Naming, candidates: tuple[Candidate, ...],
         sentence=sentence_of("ambiguous", best, closed),
         reasons=reasons,
     )
+
+
+def _undecided(fits: Sequence[Fit]) -> str:
+    """Return in words which effects close the gap, and that none is to be named for it."""
+    if not fits:
+        return "No effect closes the gap alone."
+    if len(fits) == 1:
+        return f"One effect closes the gap alone ({fits[0].effects[0].describe()}); so few numbers cannot earn it a name."
+    return f"{len(fits)} effects close the gap alone; so few numbers cannot decide between them."
 
 
 def _closing(search: Search, candidates: tuple[Candidate, ...], progress: Progress) -> list[Fit]:

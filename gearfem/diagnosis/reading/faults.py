@@ -210,12 +210,16 @@ def _check_spacing(file: str, series: Series, quantity: Quantity, pair: GearPair
     return [Fault(record=file, kind="missing_rows", rows=rows, sentence=f"rows are missing before {rows_text(series, missing)}")]
 
 
+def _rows(series: Series) -> str:
+    return f"{len(series.axis)} row{'' if len(series.axis) == 1 else 's'}"
+
+
 def _check_angle(series: Series, quantity: Quantity, pair: GearPair) -> None:
     """Refuse angles that cannot be radians of the pinion."""
     where = f"column {quantity.columns[0]}"
     pitch = pair.pinion.pitch_angle
     if len(series.axis) < 8 or np.ptp(series.axis) < 0.5 * pitch:
-        found = f"{len(series.axis)} rows over {np.ptp(series.axis):.4g}"
+        found = f"{_rows(series)} over {np.ptp(series.axis):.4g}"
         raise InputError(where, found, f"at least 8 rows over half a pitch of {pitch:.4g} rad (radians, not turns?)")
     usual = float(np.median(np.diff(series.axis)))
     if usual > pitch / SAMPLES_PER_PITCH:
@@ -284,7 +288,7 @@ def _check_teeth(series: Series, quantity: Quantity, gear: Gear) -> None:
         raise InputError(f"{series.row(row)}, column tooth", f"{series.axis[row]:g}", f"whole numbers from 0 to {last}")
     span, most = float(np.ptp(series.value)), gear.module / UM
     if len(series.axis) < FEWEST_TEETH or span == 0.0:
-        found = f"{len(series.axis)} rows over {span:g} um"
+        found = f"{_rows(series)} over {span:g} um"
         raise InputError(f"column {quantity.columns[1]}", found, f"{FEWEST_TEETH} rows or more that vary: their constant is unknown")
     if span > most:
         found = f"values over {span:.4g} um"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
@@ -12,6 +11,7 @@ from gearfem.definition.schema import Table, Title
 from gearfem.definition.validate import shown
 from gearfem.diagnosis.reading.quantities import FASTEST, QUANTITIES, SLOWEST, Quantity
 from gearfem.foundation import InputError
+from gearfem.foundation.errors import nearest
 
 Value = Annotated[float, Field(gt=-1e9, lt=1e9)]
 Deviation = Annotated[float, Field(gt=0.0, lt=1e15)]
@@ -89,7 +89,7 @@ def _refusal(kind: str, place: tuple[int | str, ...], found: object) -> InputErr
     if kind == "extra_forbidden":
         table: type[BaseModel] = RecordTable if len(place) > 1 else CampaignTable
         names = tuple(table.model_fields)
-        return InputError(where, "an unknown key", ", ".join(difflib.get_close_matches(key, names, n=1, cutoff=0.5) or names))
+        return InputError(where, "an unknown key", nearest(key, names))
     if kind == "missing":
         return InputError(where, "nothing", f"{ALLOWED[key]}; this key must be given")
     if kind == "too_short":
@@ -100,8 +100,7 @@ def _refusal(kind: str, place: tuple[int | str, ...], found: object) -> InputErr
 def _check_record(where: str, record: RecordTable) -> None:
     """Refuse keys that a quantity needs and lacks, or that mean nothing with it."""
     if record.quantity not in QUANTITIES:
-        close = difflib.get_close_matches(record.quantity, QUANTITIES, n=1, cutoff=0.5)
-        raise InputError(f"{where}.quantity", shown(record.quantity), f'"{close[0]}" (the nearest)' if close else ALLOWED["quantity"])
+        raise InputError(f"{where}.quantity", shown(record.quantity), nearest(record.quantity, QUANTITIES))
     quantity = QUANTITIES[record.quantity]
     for key, needed, welcome in _rules(quantity):
         value = getattr(record, key)
