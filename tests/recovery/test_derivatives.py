@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gearfem.diagnosis.fitting import parameters
-from gearfem.diagnosis.fitting.fit import jacobian
+from gearfem.diagnosis.fitting.fit import _corrected, jacobian
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.modelling.bench import neutral
 from gearfem.diagnosis.modelling.columns import make_columns
@@ -69,6 +69,17 @@ def test_derivatives_are_those_of_what_is_predicted(
     for own, column in zip(found.T, exact.T, strict=True):
         stay = np.argsort(np.abs(own - column))[: len(column) - leaps]
         assert np.linalg.norm((own - column)[stay]) < most_else * np.linalg.norm(column[stay])
+
+
+def test_derivatives_stay_where_only_index_errors_have_moved(tmp_path: Path) -> None:
+    """What a step of no parameter shows is nothing that they could be corrected by: they became no numbers."""
+    shown = beside_nuisances(tmp_path, [], [SLOW])
+    problem, effect, unknown = shown.problem, TipRelief(gear="wheel", amount=14.0 * UM, length=2.5 * MM), shown.base.point.stood
+    elsewhere = unknown.copy()
+    elsewhere[problem.unknowns.late] += 0.5
+    before, after = problem.at((effect,), unknown), problem.at((effect,), elsewhere)
+    found = jacobian(problem, before)
+    assert np.array_equal(_corrected(problem, found, before, after), found)
 
 
 def test_columns_of_all_nuisances_are_the_same_on_one_core_and_on_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,5 +16,5 @@ def test_a_name_that_is_near_is_offered_and_all_where_none_is(word, allowed):
 
 
 def test_a_word_like_no_effect_is_answered_by_all_effects():
-    with pytest.raises(InputError, match="backlash, body_compliance, .*, torque_ripple"):
+    with pytest.raises(InputError, match=r"backlash, body_compliance, .*, torque_ripple"):
         choose(catalogue(), only="nothing")

@@ -252,6 +252,9 @@ def _corrected(problem: Problem, derivatives: Array, point: Point, ahead: Point)
     sizes = np.concatenate([parameters.sizes(point.effects, problem.campaign.setup), np.ones(problem.outer)])
     moved = parameters.values(ahead.effects) - parameters.values(point.effects)
     step = np.concatenate([moved, ahead.unknown[: problem.outer] - point.unknown[: problem.outer]]) / sizes
+    if not step.any():
+        # Only what is linear has moved, and they do not change with that.
+        return derivatives
     # Residuals, unlike predictions, hold no index errors, which move too.
     change = point.residual - ahead.residual
     scaled = derivatives * sizes
