@@ -13,6 +13,7 @@ from gearfem.diagnosis.fitting.parameters import faint, overdone
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import Label, label, near_by, score
 from gearfem.diagnosis.fitting.straying import STRAYED
+from gearfem.diagnosis.naming.by_themselves import gained_by_themselves, least_beside
 from gearfem.diagnosis.naming.mimic import mimicked
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
@@ -47,6 +48,8 @@ class Search:
         self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
         # By columns as they were prepared.
         self._mimicked: dict[Fit, tuple[tuple[Array, ...], tuple[float, ...]]] = {}
+        # What each effect gains by itself, a fit being the same wherever the problem is prepared.
+        self._alone: dict[Fit, tuple[float, ...]] = {}
         # Explanations that have begun from nuisances as the model has them, and how long errors of the model stayed alike then.
         self._neutral: set[tuple[tuple[Label, ...], bytes]] = set()
 
@@ -224,7 +227,8 @@ class Search:
     def barred(self, fit: Fit) -> str:
         """Return why a fit may not be named, in words; empty if it may.
 
-        An effect of it contradicts its own cause, or is as strong as can be, or hardly there, or errors of our model imitate it.
+        An effect of it contradicts its own cause, or is as strong as can be, or hardly there, or errors of our model imitate it, or what it
+        does to the columns of waviness gains and not the effect itself.
         """
         setup = self.problem.campaign.setup
         for effect in fit.effects:
@@ -249,6 +253,24 @@ class Search:
         for effect, share in zip(fit.effects, shares, strict=True):
             if share > MIMICKED:
                 return f"{effect.describe()}: errors of our own model would be taken for half of it or more"
+        return self._borrowed(fit)
+
+    def _borrowed(self, fit: Fit) -> str:
+        """Return which effect beside nuisances that stand still gains too little by itself, in words; empty if none, or if all do."""
+        leasts = [least_beside(self.problem, (effect,)) for effect in fit.effects]
+        if self.problem.outer or not leasts or self.gained(fit) < min(leasts):
+            return ""
+        if fit not in self._alone:
+            try:
+                self._alone[fit] = gained_by_themselves(self.problem, fit)
+            except UNCOMPUTABLE:
+                return "what it gains by itself cannot be computed"
+        for effect, gain, least in zip(fit.effects, self._alone[fit], leasts, strict=True):
+            if gain < least:
+                return (
+                    f"{effect.describe()}: gains {gain:.0f} by itself, where a name needs {least:.0f}, and the rest by what it makes of "
+                    "waviness and index errors"
+                )
         return ""
 
 

@@ -10,6 +10,7 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import Label, label, simplicity
+from gearfem.diagnosis.naming.by_themselves import least_beside
 from gearfem.diagnosis.naming.gap import OPEN, closure, gap_left, gaps, wide
 from gearfem.diagnosis.naming.identify import Identifiability
 from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict, sentence_of
@@ -41,12 +42,11 @@ def needed(search: Search, effects: tuple[Effect, ...]) -> float:
     """Return what effects must gain to be named.
 
     Of means that nuisances alone explain, nothing but the odds of these speaks for a name: for one of forms of the flanks they must say
-    more, since nothing but errors of our model tells forms apart. Waviness that is not linear imitates teeth, not what turns with a
-    shaft: for this as much as scores of the same explanation may differ by is enough.
+    more, since nothing but errors of our model tells forms apart.
     """
     problem = search.problem
-    if effects and not any(hasattr(effect, "tooth") for effect in effects) and not problem.unknowns.scatter.common:
-        return max(problem.wander, problem.imitated)
+    if effects and not problem.unknowns.scatter.common:
+        return least_beside(problem, effects)
     forms = bool(effects) and all(effect.stage == "flank" and effect.repeats == "every tooth" for effect in effects)
     doubtful = forms and problem.unknowns.scatter.common and sound(search)
     return max(problem.detected, FORMS) if doubtful else problem.detected
