@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from gearfem.foundation import Array
 
 HARMONICS = 6
+# Cycles of a line to a row at most: beyond half of one it looks like a lower line, and at just half its phase is lost.
+RESOLVED = 0.48
 # Orders of the shaft on either side of a line that tell its surroundings: farther than what a runout modulates, nearer than the next line.
 BESIDE = (2.0, 3.0, 4.0, 5.0)
 
@@ -27,6 +29,7 @@ def mesh_lines(angle: Array, value: Array, pitch: float) -> NDArray[np.complex12
     Returns
     -------
     ndarray of complex, shape (6,)
+        0 where rows are too far apart to show a line.
     """
     return _fit(angle, value, pitch)[0]
 
@@ -55,7 +58,10 @@ def lines_and_beside(angle: Array, value: Array, pitch: float) -> tuple[NDArray[
 def _fit(angle: Array, value: Array, pitch: float) -> tuple[NDArray[np.complex128], Array]:
     turns = max(1, int((angle[-1] - angle[0]) / pitch / 2.0))
     slow = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, len(angle)), min(turns, 60))
-    waves = np.exp(2j * math.pi * np.outer(angle, np.arange(1, HARMONICS + 1)) / pitch)
+    count = min(HARMONICS, int(RESOLVED * pitch / float(np.median(np.diff(angle)))))
+    waves = np.exp(2j * math.pi * np.outer(angle, np.arange(1, count + 1)) / pitch)
     columns = np.column_stack([waves.real, waves.imag, slow])
     found = np.linalg.lstsq(columns, value, rcond=None)[0]
-    return np.asarray(found[:HARMONICS] - 1j * found[HARMONICS : 2 * HARMONICS]), np.asarray(value - columns @ found)
+    lines = np.zeros(HARMONICS, complex)
+    lines[:count] = found[:count] - 1j * found[count : 2 * count]
+    return lines, np.asarray(value - columns @ found)
