@@ -61,7 +61,7 @@ def not_utf8(error: UnicodeDecodeError, kind: str, file: str) -> InputError:
 
 
 def nearest(word: str, names: Iterable[str]) -> str:
-    """Return what is allowed where a name is none: the nearest valid one, or all where none is near.
+    """Return what is allowed where a name is none: the nearest valid one, one that holds the word, or all where none is near.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def nearest(word: str, names: Iterable[str]) -> str:
         The valid ones.
     """
     names = list(names)
-    close = difflib.get_close_matches(word, names, n=1)
+    close = difflib.get_close_matches(word, names, n=1) or [name for name in names if len(word) > 2 and word in name]
     return f"{close[0]} (the nearest valid name)" if close else ", ".join(names)
 
 

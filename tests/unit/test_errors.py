@@ -10,7 +10,16 @@ from gearfem.foundation.errors import nearest
 NAMES = ("tip_relief", "runout", "pitting")
 
 
-@pytest.mark.parametrize(("word", "allowed"), [("runnout", "runout (the nearest valid name)"), ("nothing", "tip_relief, runout, pitting")])
+@pytest.mark.parametrize(
+    ("word", "allowed"),
+    [
+        ("runnout", "runout (the nearest valid name)"),
+        ("relief", "tip_relief (the nearest valid name)"),
+        ("tip", "tip_relief (the nearest valid name)"),
+        ("nothing", "tip_relief, runout, pitting"),
+        ("", "tip_relief, runout, pitting"),
+    ],
+)
 def test_a_name_that_is_near_is_offered_and_all_where_none_is(word, allowed):
     assert nearest(word, NAMES) == allowed
 

@@ -114,9 +114,7 @@ def _check_size(record: Measurement, bench: Bench, folder: Path) -> None:
         power = round(decades) or int(math.copysign(1, decades))
         found = f"mesh lines of {ratio:.3g} times those of the model, as if the unit were wrong by 10^{power}"
         raise InputError(f"column {column}", found, f"{allowed}, or a model of this pair", file)
-    # Of records with few rows to a pitch the mesh itself is rough.
-    own = ratio * roughness(dataclasses.replace(record, value=predicted))
-    rough = math.sqrt(max(roughness(record) ** 2 - own**2, 0.0))
+    rough = roughness(record)
     off = math.log10(rough / record.noise_std) if record.noise_std and rough else 0.0
     if not -NOISE[0] < off < NOISE[1] and math.copysign(decades, off * decades) > LINES:
         found = f"noise of {10.0**off:.3g} times noise_std and mesh lines of {ratio:.3g} times those of the model"

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import copy
 
+from gearfem.diagnosis.comparing.averages import shows_in_means
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
+from gearfem.diagnosis.fitting.score import score
 from gearfem.effects.effect import Effect
 
+# Part of what a name needs that an effect must gain by itself: a false pit has gained 0.17 of it, effects that are there all and more.
+OWN = 0.5
 
-def gained_by_themselves(problem: Problem, fit: Fit) -> tuple[float, ...]:
-    """Return what each effect of a fit gains over the others, columns of index errors and waviness as they are under all of them.
+
+def borrowed(problem: Problem, fit: Fit) -> str:
+    """Return which effect of a fit gains too little by itself, in words; empty if none does.
 
     Parameters
     ----------
@@ -19,20 +24,35 @@ def gained_by_themselves(problem: Problem, fit: Fit) -> tuple[float, ...]:
     fit : Fit
         Any.
 
-    Returns
-    -------
-    tuple of float
+    Raises
+    ------
+    InputError, SolveError
+        If the records cannot be computed without one of the effects.
 
     Notes
     -----
     Index errors and waviness act linearly about one point, and otherwise under other effects. Waviness that is large beside the deflection
-    acts otherwise still: an effect that changes hardly more than the columns may come nearer to that, without being there.
+    acts otherwise still: an effect that changes hardly more than these columns may come nearer to that, without being there. Columns are
+    those under all effects of the fit here, whether one of them is left out or not.
     """
+    asked = [effect for effect in fit.effects if not shows_in_means(effect)]
+    if not asked:
+        return ""
     own = copy.copy(problem)
     own.prepare(fit.effects, fit.point.stood)
-    whole = own.fit(fit.effects, fit.point.stood, rounds=0).objective
-    without = (fit.effects[:out] + fit.effects[out + 1 :] for out in range(len(fit.effects)))
-    return tuple(own.fit(others, fit.point.stood).objective - whole for others in without)
+    stands = score(own, own.fit(fit.effects, fit.point.stood, rounds=0))
+    for effect in asked:
+        others = tuple(one for one in fit.effects if one is not effect)
+        without, least = score(own, own.fit(others, fit.point.stood)), least_beside(problem, (effect,))
+        if without - stands < OWN * least:
+            # First fits have been led by other columns.
+            stands = min(stands, score(own, own.fit(fit.effects, fit.point.stood)))
+        if without - stands < OWN * least:
+            return (
+                f"{effect.describe()}: scores {without - stands:.0f} better by itself, where a name needs {least:.0f}; "
+                "the rest is what it makes of waviness and index errors"
+            )
+    return ""
 
 
 def least_beside(problem: Problem, effects: tuple[Effect, ...]) -> float:

@@ -13,7 +13,7 @@ from gearfem.diagnosis.fitting.parameters import faint, overdone
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import Label, label, near_by, score
 from gearfem.diagnosis.fitting.straying import STRAYED
-from gearfem.diagnosis.naming.by_themselves import gained_by_themselves, least_beside
+from gearfem.diagnosis.naming.by_themselves import borrowed, least_beside
 from gearfem.diagnosis.naming.mimic import mimicked
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
@@ -48,8 +48,8 @@ class Search:
         self.fits: dict[tuple[Label, ...], Fit] = {(): alone}
         # By columns as they were prepared.
         self._mimicked: dict[Fit, tuple[tuple[Array, ...], tuple[float, ...]]] = {}
-        # What each effect gains by itself, a fit being the same wherever the problem is prepared.
-        self._alone: dict[Fit, tuple[float, ...]] = {}
+        # The same wherever the problem is prepared.
+        self._borrowed: dict[Fit, str] = {}
         # Explanations that have begun from nuisances as the model has them, and how long errors of the model stayed alike then.
         self._neutral: set[tuple[tuple[Label, ...], bytes]] = set()
 
@@ -253,25 +253,18 @@ class Search:
         for effect, share in zip(fit.effects, shares, strict=True):
             if share > MIMICKED:
                 return f"{effect.describe()}: errors of our own model would be taken for half of it or more"
-        return self._borrowed(fit)
+        return self._borrows(fit)
 
-    def _borrowed(self, fit: Fit) -> str:
-        """Return which effect beside nuisances that stand still gains too little by itself, in words; empty if none, or if all do."""
-        leasts = [least_beside(self.problem, (effect,)) for effect in fit.effects]
-        if self.problem.outer or not leasts or self.gained(fit) < min(leasts):
+    def _borrows(self, fit: Fit) -> str:
+        """Return what `borrowed` says of an explanation of single teeth and turns that gains what a name needs, asked once."""
+        if self.problem.outer or not fit.effects or self.gained(fit) < least_beside(self.problem, fit.effects):
             return ""
-        if fit not in self._alone:
+        if fit not in self._borrowed:
             try:
-                self._alone[fit] = gained_by_themselves(self.problem, fit)
+                self._borrowed[fit] = borrowed(self.problem, fit)
             except UNCOMPUTABLE:
-                return "what it gains by itself cannot be computed"
-        for effect, gain, least in zip(fit.effects, self._alone[fit], leasts, strict=True):
-            if gain < least:
-                return (
-                    f"{effect.describe()}: gains {gain:.0f} by itself, where a name needs {least:.0f}, and the rest by what it makes of "
-                    "waviness and index errors"
-                )
-        return ""
+                self._borrowed[fit] = "what it scores by itself cannot be computed"
+        return self._borrowed[fit]
 
 
 def manner_of(effect: Effect) -> tuple[str, str]:
