@@ -10,7 +10,8 @@ from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import score
 from gearfem.effects.effect import Effect
 
-# Part of what a name needs that an effect must gain by itself: a false pit has gained 0.17 of it, effects that are there all and more.
+# Part of what a name needs that an effect must gain by itself, as scores of one explanation differ by half of it where their fits begin: of
+# a false pit that gained 187 nothing was left, effects that are there have gained as much by themselves as in all.
 OWN = 0.5
 
 
@@ -49,7 +50,7 @@ def borrowed(problem: Problem, fit: Fit) -> str:
             stands = min(stands, score(own, own.fit(fit.effects, fit.point.stood)))
         if without - stands < OWN * least:
             return (
-                f"{effect.describe()}: scores {without - stands:.0f} better by itself, where a name needs {least:.0f}; "
+                f"{effect.describe()}: gains {without - stands:.0f} in the score by itself, where a name needs {least:.0f}; "
                 "the rest is what it makes of waviness and index errors"
             )
     return ""
