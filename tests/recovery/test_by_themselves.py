@@ -14,7 +14,7 @@ import pytest
 
 from gearfem.diagnosis.comparing.averages import of_teeth, teeth_under
 from gearfem.diagnosis.fitting.fit import again
-from gearfem.diagnosis.naming.by_themselves import OWN, borrowed
+from gearfem.diagnosis.naming.by_themselves import borrowed
 from gearfem.diagnosis.naming.search import Search
 from gearfem.effects.pitch_error import PitchError
 from gearfem.effects.tip_relief import TipRelief
@@ -41,7 +41,7 @@ def test_late_teeth_that_are_there_gain_by_themselves(tmp_path: Path) -> None:
     here = teeth.columns
     assert borrowed(teeth, again(own, there, alone.point.stood)) == ""
     words = borrowed(teeth, again(own, none, alone.point.stood))
-    assert re.match(r"Pitch error of tooth 5 of the wheel.* by itself, where a name needs 80; the rest", words), words
+    assert re.match(r"Pitch error of tooth 5 of the wheel.* by itself, less than 40; the rest", words), words
     words = borrowed(teeth, again(own, there + none, alone.point.stood))
     assert words.startswith("Pitch error of tooth 5 of the wheel"), words
     assert teeth.columns is here
@@ -56,7 +56,7 @@ def test_a_first_fit_is_led_on_by_the_columns_that_it_is_asked_by(tmp_path: Path
     shown = beside_nuisances(tmp_path, [hidden], [PLAN["record"][0], PLAN["record"][-1]])
     teeth, alone = teeth_under(shown.problem, shown.base.settings, (), of_teeth(shown.problem))
     first = teeth.fit((dataclasses.replace(LATE, amount=0.1 * UM),), alone.point.stood, rounds=0)
-    assert alone.objective - first.objective < OWN * teeth.detected
+    assert alone.objective - first.objective < teeth.wander
     assert borrowed(teeth, first) == ""
 
 

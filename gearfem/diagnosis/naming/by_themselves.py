@@ -10,10 +10,6 @@ from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import score
 from gearfem.effects.effect import Effect
 
-# Part of what a name needs that an effect must gain by itself, as scores of one explanation differ by half of it where their fits begin: of
-# a false pit that gained 187 nothing was left, effects that are there have gained as much by themselves as in all.
-OWN = 0.5
-
 
 def borrowed(problem: Problem, fit: Fit) -> str:
     """Return which effect of a fit gains too little by itself, in words; empty if none does.
@@ -34,7 +30,8 @@ def borrowed(problem: Problem, fit: Fit) -> str:
     -----
     Index errors and waviness act linearly about one point, and otherwise under other effects. Waviness that is large beside the deflection
     acts otherwise still: an effect that changes hardly more than these columns may come nearer to that, without being there. Columns are
-    those under all effects of the fit here, whether one of them is left out or not.
+    those under all effects of the fit here, whether one of them is left out or not. By itself an effect must gain as much as scores of one
+    explanation may differ by where fits begin.
     """
     asked = [effect for effect in fit.effects if not shows_in_means(effect)]
     if not asked:
@@ -44,13 +41,13 @@ def borrowed(problem: Problem, fit: Fit) -> str:
     stands = score(own, own.fit(fit.effects, fit.point.stood, rounds=0))
     for effect in asked:
         others = tuple(one for one in fit.effects if one is not effect)
-        without, least = score(own, own.fit(others, fit.point.stood)), least_beside(problem, (effect,))
-        if without - stands < OWN * least:
+        without = score(own, own.fit(others, fit.point.stood))
+        if without - stands < problem.wander:
             # First fits have been led by other columns.
             stands = min(stands, score(own, own.fit(fit.effects, fit.point.stood)))
-        if without - stands < OWN * least:
+        if without - stands < problem.wander:
             return (
-                f"{effect.describe()}: gains {without - stands:.0f} in the score by itself, where a name needs {least:.0f}; "
+                f"{effect.describe()}: gains {without - stands:.0f} in the score by itself, less than {problem.wander:.0f}; "
                 "the rest is what it makes of waviness and index errors"
             )
     return ""
