@@ -13,7 +13,8 @@ from typing import Any, cast
 import pytest
 
 from gearfem.diagnosis.comparing.averages import of_teeth, teeth_under
-from gearfem.diagnosis.fitting.fit import again
+from gearfem.diagnosis.fitting.fit import Fit, again
+from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.naming.by_themselves import borrowed
 from gearfem.diagnosis.naming.search import Search
 from gearfem.effects.pitch_error import PitchError
@@ -32,11 +33,16 @@ class Explanation:
     effects: tuple[Any, ...]
 
 
+def beside_a_late_tooth(folder: Path) -> tuple[Problem, Fit]:
+    """Measure a pair with that tooth; return what single teeth do, and their fit without it."""
+    hidden = {"name": "pitch_error", "gear": "pinion", "tooth": 3, "amount_um": 12.0}
+    shown = beside_nuisances(folder, [hidden], [PLAN["record"][0], PLAN["record"][-1]])
+    return teeth_under(shown.problem, shown.base.settings, (), of_teeth(shown.problem))
+
+
 def test_late_teeth_that_are_there_gain_by_themselves(tmp_path: Path) -> None:
     """One that is not does not, beside it or alone, whatever the whole gains; the problem stays as it is prepared."""
-    hidden = {"name": "pitch_error", "gear": "pinion", "tooth": 3, "amount_um": 12.0}
-    shown = beside_nuisances(tmp_path, [hidden], [PLAN["record"][0], PLAN["record"][-1]])
-    teeth, alone = teeth_under(shown.problem, shown.base.settings, (), of_teeth(shown.problem))
+    teeth, alone = beside_a_late_tooth(tmp_path)
     own, there, none = copy.copy(teeth), (LATE,), (PitchError(gear="wheel", tooth=5, amount=1.0 * UM),)
     here = teeth.columns
     assert borrowed(teeth, again(own, there, alone.point.stood)) == ""
@@ -52,9 +58,7 @@ def test_late_teeth_that_are_there_gain_by_themselves(tmp_path: Path) -> None:
 
 def test_a_first_fit_is_led_on_by_the_columns_that_it_is_asked_by(tmp_path: Path) -> None:
     """Far from its best size it gains too little where it stands."""
-    hidden = {"name": "pitch_error", "gear": "pinion", "tooth": 3, "amount_um": 12.0}
-    shown = beside_nuisances(tmp_path, [hidden], [PLAN["record"][0], PLAN["record"][-1]])
-    teeth, alone = teeth_under(shown.problem, shown.base.settings, (), of_teeth(shown.problem))
+    teeth, alone = beside_a_late_tooth(tmp_path)
     first = teeth.fit((dataclasses.replace(LATE, amount=0.1 * UM),), alone.point.stood, rounds=0)
     assert alone.objective - first.objective < teeth.wander
     assert borrowed(teeth, first) == ""

@@ -8,7 +8,6 @@ from gearfem.diagnosis.comparing.averages import shows_in_means
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import score
-from gearfem.effects.effect import Effect
 
 
 def borrowed(problem: Problem, fit: Fit) -> str:
@@ -51,12 +50,3 @@ def borrowed(problem: Problem, fit: Fit) -> str:
                 "the rest is what it makes of waviness and index errors"
             )
     return ""
-
-
-def least_beside(problem: Problem, effects: tuple[Effect, ...]) -> float:
-    """Return what effects of single teeth and turns must gain to be named.
-
-    Waviness that is not linear imitates teeth, not what turns with a shaft: for this as much as scores of the same explanation may differ
-    by is enough.
-    """
-    return problem.detected if any(hasattr(effect, "tooth") for effect in effects) else max(problem.wander, problem.imitated)

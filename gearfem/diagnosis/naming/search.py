@@ -13,7 +13,7 @@ from gearfem.diagnosis.fitting.parameters import faint, overdone
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import Label, label, near_by, score
 from gearfem.diagnosis.fitting.straying import STRAYED
-from gearfem.diagnosis.naming.by_themselves import borrowed, least_beside
+from gearfem.diagnosis.naming.by_themselves import borrowed
 from gearfem.diagnosis.naming.mimic import mimicked
 from gearfem.effects.effect import MEMBERS, Effect
 from gearfem.foundation import UNCOMPUTABLE, Array
@@ -265,6 +265,15 @@ class Search:
             except UNCOMPUTABLE:
                 self._borrowed[fit] = "what it scores by itself cannot be computed"
         return self._borrowed[fit]
+
+
+def least_beside(problem: Problem, effects: tuple[Effect, ...]) -> float:
+    """Return what effects of single teeth and turns must gain to be named.
+
+    Waviness that is not linear imitates teeth, not what turns with a shaft: for this as much as scores of the same explanation may differ
+    by is enough.
+    """
+    return problem.detected if any(hasattr(effect, "tooth") for effect in effects) else max(problem.wander, problem.imitated)
 
 
 def manner_of(effect: Effect) -> tuple[str, str]:

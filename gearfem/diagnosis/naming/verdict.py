@@ -10,11 +10,10 @@ from scipy.stats import chi2
 from gearfem.diagnosis.fitting.fit import Fit
 from gearfem.diagnosis.fitting.problem import Problem
 from gearfem.diagnosis.fitting.score import Label, label, simplicity
-from gearfem.diagnosis.naming.by_themselves import least_beside
 from gearfem.diagnosis.naming.gap import OPEN, closure, gap_left, gaps, wide
 from gearfem.diagnosis.naming.identify import Identifiability
 from gearfem.diagnosis.naming.naming import Naming, Rival, Verdict, sentence_of
-from gearfem.diagnosis.naming.search import Search, exchanged
+from gearfem.diagnosis.naming.search import Search, exchanged, least_beside
 from gearfem.diagnosis.naming.suspects import astray, misshapen, sound, turning, wrong_by
 from gearfem.effects.effect import Effect
 
