@@ -40,12 +40,12 @@ PLAN: dict[str, Any] = {
 }
 
 
-def on_the_rig(folder: Path, hidden: dict[str, Any], plan: dict[str, Any] = PLAN) -> Path:
+def on_the_rig(folder: Path, hidden: dict[str, Any], plan: dict[str, Any] = PLAN, nominal: dict[str, Any] = NOMINAL) -> Path:
     """Measure the nominal pair with what is hidden in it on the virtual rig; return the campaign file."""
-    write_toml(folder / "true.toml", NOMINAL | hidden)
+    write_toml(folder / "true.toml", nominal | hidden)
     write_toml(folder / "plan.toml", plan)
     true = load_model(folder / "true.toml")
-    measure(true, read_plan(folder / "plan.toml", true.pair), NOMINAL, folder / "rig")
+    measure(true, read_plan(folder / "plan.toml", true.pair), nominal, folder / "rig")
     return folder / "rig" / "campaign.toml"
 
 

@@ -30,6 +30,7 @@ from gearfem.effects.effect import MEMBERS
 from gearfem.effects.profile_wear import ProfileWear
 from gearfem.foundation import UNCOMPUTABLE, Array, InputError
 from gearfem.foundation.progress import Progress, quiet
+from gearfem.foundation.side_by_side import side_by_side
 
 # Terms of the waviness of a flank. To find the zero and the noise, the few of `Scatter` are enough, and they leave the noise alone.
 TERMS = 14
@@ -179,21 +180,28 @@ def _zero(problem: Problem, progress: Progress) -> float:
     few = part_of(problem, [i for i in over if not problem.records[i].quantity.moving] or over)
     worn = [(ProfileWear.example(setup, member),) for member in MEMBERS]
 
-    best = min(from_zeros(few, GUESSED), key=lambda fit: fit.objective, default=None)
+    best = min(from_zeros(few, GUESSED), key=_paid, default=None)
     if best is None:
         # What is fitted next says why.
         return 0.0
-    zero = best.settings.angle_offset
+    zero, begun = best.settings.angle_offset, [best]
     for number, effects in enumerate(worn):
         progress("angle zero", number, len(worn))
-        price = PARAMETER * len(effects[0].parameters())
         # Worn flanks that cannot be computed tell nothing of the zero.
         with contextlib.suppress(*UNCOMPUTABLE):
-            for fit in from_zeros(few, ROUGH, effects, lambda other: _apart(other, zero, setup.pair) > VALLEY):
-                if fit.objective + price < best.objective and (other := attempt(few, fit.effects, fit.point.stood)):
-                    best = min(best, other, key=lambda one: one.objective)
+            from_elsewhere = from_zeros(few, ROUGH, effects, lambda other: _apart(other, zero, setup.pair) > VALLEY)
+            begun += [fit for fit in from_elsewhere if _paid(fit) < _paid(best)]
+    if len(begun) > 1:
+        # A fit of fewer rounds, without wear, may have further to go.
+        led = side_by_side(lambda fit: attempt(few, fit.effects, fit.point.stood), begun)
+        best = min([best, *filter(None, led)], key=_paid)
     progress("angle zero", len(worn), len(worn))
     return best.settings.angle_offset
+
+
+def _paid(fit: Fit) -> float:
+    """Return the objective of a fit, and what the parameters of its effects cost."""
+    return fit.objective + PARAMETER * sum(len(effect.parameters()) for effect in fit.effects)
 
 
 def _apart(one: float, other: float, pair: GearPair) -> float:

@@ -20,6 +20,7 @@ from gearfem.diagnosis.reading.roles import Role, share_roles
 from gearfem.diagnosis.reading.schema import ALLOWED, RecordTable, validate_campaign
 from gearfem.diagnosis.reading.series import read_series
 from gearfem.diagnosis.reading.siblings import refuse_duplicates, refuse_odd_units
+from gearfem.diagnosis.reading.thinning import thinned
 from gearfem.effects.effect import Effect
 from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import RPM
@@ -121,6 +122,8 @@ def read_campaign(path: str | Path, effects: Iterable[type[Effect]] = ()) -> Cam
         refuse_odd_units([record for record in records if record.quantity.name == "static_transmission_error"], path.parent)
     except InputError as error:
         raise error.in_file(str(path)) from None
+    records, passed_over = thinned(records, setup.pair)
+    remarks += passed_over
     rows, most = sum(len(record.axis) for record in records), ROWS // (setup.pair.pinion.teeth + setup.pair.wheel.teeth)
     if rows > most:
         raise InputError("record", f"{rows} rows in all", f"up to {most} for this pair: keep every second row, or fewer turns", str(path))
