@@ -319,6 +319,20 @@ def test_the_smooth_correction_stays_as_large_as_the_gap_over_a_part_of_a_turn()
     assert np.sqrt(np.mean((left - smooth.at(record)) ** 2)) < 2.2e5
 
 
+def test_the_smooth_correction_leaves_lines_that_few_rows_confuse_as_small_as_they_are() -> None:
+    """At eight rows to a pitch line 5 of the mesh looks like line 3 but for the last digit of the angle; shares of either are anything."""
+    pitch, random = PAIR.pinion.pitch_angle, np.random.default_rng(4)
+
+    def record(torque: float, rows: float) -> Measurement:
+        axis = np.round(np.arange(0.0, 40.0, 1.0 / rows) * pitch, 8)
+        return make_record("static_transmission_error", axis, pinion_torque=torque, noise_std=1e-7)
+
+    fitted, planned = (record(20.0, 72.0), record(150.0, 8.0)), record(80.0, 72.0)
+    left = tuple(1e-6 * np.cos(PAIR.pinion.teeth * one.axis) + random.normal(0.0, 1e-7, len(one.axis)) for one in fitted)
+    smooth = fit_smooth(fitted, tuple(measure_noise(one, PAIR) for one in fitted), left, PAIR, 0.0)["static_transmission_error"]
+    assert smooth.at(planned) == pytest.approx(1e-6 * np.cos(PAIR.pinion.teeth * planned.axis), rel=0.0, abs=1e-6)
+
+
 @pytest.mark.parametrize(("beyond", "solved"), [(0.0, True), (0.6, False)])
 def test_load_sharing_has_a_solution_as_far_as_coupling_may_go(beyond: float, solved: bool) -> None:
     """Bodies soft and contact hard by four deviations, edges nearly sharp, and teeth five times as uneven as usual; farther it has none."""

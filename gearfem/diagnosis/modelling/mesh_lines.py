@@ -55,10 +55,15 @@ def lines_and_beside(angle: Array, value: Array, pitch: float) -> tuple[NDArray[
     return found, np.asarray(np.sqrt((amplitudes**2).mean(axis=1)))
 
 
+def resolved(angle: Array, pitch: float) -> int:
+    """Return how many lines of the mesh, from the first on, the rows of a record are close enough to show."""
+    return int(RESOLVED * pitch / float(np.median(np.diff(angle))))
+
+
 def _fit(angle: Array, value: Array, pitch: float) -> tuple[NDArray[np.complex128], Array]:
     turns = max(1, int((angle[-1] - angle[0]) / pitch / 2.0))
     slow = np.polynomial.chebyshev.chebvander(np.linspace(-1.0, 1.0, len(angle)), min(turns, 60))
-    count = min(HARMONICS, int(RESOLVED * pitch / float(np.median(np.diff(angle)))))
+    count = min(HARMONICS, resolved(angle, pitch))
     waves = np.exp(2j * math.pi * np.outer(angle, np.arange(1, count + 1)) / pitch)
     columns = np.column_stack([waves.real, waves.imag, slow])
     found = np.linalg.lstsq(columns, value, rcond=None)[0]
