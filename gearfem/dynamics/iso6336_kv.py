@@ -143,15 +143,7 @@ def iso6336_dynamic_factor(
     ratio = pinion_speed * pair.pinion.teeth * math.sqrt(mass / stiffness.mesh_stiffness)
     load = pinion_torque / pair.pinion.reference_radius / pair.face_width
     limit = 0.85 if load >= LOW_LINE_LOAD else 0.5 + 0.35 * math.sqrt(load / LOW_LINE_LOAD)
-    gears = (pair.pinion, pair.wheel)
-    pitch = max(pitch_deviation(gear, grade) for gear in gears) * math.cos(pair.pinion.pressure_angle)
-    form = max(form_deviation(gear, grade) for gear in gears)
-    per_length = stiffness.single_stiffness / load
-    parameters = (
-        per_length * (pitch - min(RUN_IN * pitch, RUN_IN_MOST)),
-        per_length * (form - min(RUN_IN * form, RUN_IN_MOST)),
-        1.0 if grade >= COARSE_GRADE else abs(1.0 - per_length * tip_relief),
-    )
+    parameters = _parameters(pair, grade, stiffness.single_stiffness / load, tip_relief)
     where, factor = dynamic_factor(ratio, limit, pair.contact_ratio, parameters)
     return IsoDynamicFactor(
         resonance_ratio=ratio,
@@ -162,6 +154,18 @@ def iso6336_dynamic_factor(
         relief_parameter=parameters[2],
         range=where,
         dynamic_factor=factor,
+    )
+
+
+def _parameters(pair: GearPair, grade: int, per_length: float, tip_relief: float) -> tuple[float, float, float]:
+    """Return B_p, B_f and B_k; c'/(F_t/b) per length of a deviation [1/m]."""
+    gears = (pair.pinion, pair.wheel)
+    pitch = max(pitch_deviation(gear, grade) for gear in gears) * math.cos(pair.pinion.pressure_angle)
+    form = max(form_deviation(gear, grade) for gear in gears)
+    return (
+        per_length * (pitch - min(RUN_IN * pitch, RUN_IN_MOST)),
+        per_length * (form - min(RUN_IN * form, RUN_IN_MOST)),
+        1.0 if grade >= COARSE_GRADE else abs(1.0 - per_length * tip_relief),
     )
 
 

@@ -205,12 +205,7 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
     placement = turns.mesh.placement
     pair = placement.pair
     angle = np.atleast_1d(np.asarray(pinion_angle, float))
-    load = np.ascontiguousarray(np.broadcast_to(np.asarray(torque, float), angle.shape))
-    if not (np.isfinite(angle).all() and np.isfinite(load).all() and (load > 0.0).all()):
-        bad = f"{load.min():g} N m" if np.isfinite(load).all() else "a value that is not finite"
-        raise InputError(
-            "operation.pinion_torque_Nm", bad, "a positive torque at every angle: without one nothing holds the flanks together"
-        )
+    load = _load_at(angle, torque)
     pitches = angle / pair.pinion.pitch_angle
     stack = turns.stack(pitches)
     shape = (angle.size, stack.count)
@@ -239,6 +234,16 @@ def static(turns: Turns, pinion_angle: ArrayLike, torque: ArrayLike, friction: f
         wheel_weight=weight2,
         teeth=turns.teeth,
     )
+
+
+def _load_at(angle: Array, torque: ArrayLike) -> Array:
+    """Return the torque at every angle [N m], all of them finite and positive."""
+    load = np.ascontiguousarray(np.broadcast_to(np.asarray(torque, float), angle.shape))
+    if not (np.isfinite(angle).all() and np.isfinite(load).all() and (load > 0.0).all()):
+        bad = f"{load.min():g} N m" if np.isfinite(load).all() else "a value that is not finite"
+        allowed = "a positive torque at every angle: without one nothing holds the flanks together"
+        raise InputError("operation.pinion_torque_Nm", bad, allowed)
+    return load
 
 
 def _fail(turns: Turns, torque: float, angle: float, solved: bool) -> None:
