@@ -129,22 +129,6 @@ def test_steps_and_events_that_return_are_no_spikes(campaign: Callable[..., Camp
     assert read.records[0].keep.all()
 
 
-def test_a_long_record_is_the_mean_of_its_hunting_cycles(folder: Path, campaign: Callable[..., Campaign]) -> None:
-    (folder / "model.toml").write_text(MODEL.replace("teeth = 41", "teeth = 46"))
-    # The same teeth meet every second turn; five cycles and a bit.
-    angle = (np.arange(24000) + np.random.default_rng(4).uniform(-0.3, 0.3, 24000)) * 20.7 * np.pi / 24000
-    noise = np.random.default_rng(5).normal(0.0, 0.5, len(angle))
-    signal = 8.0 * np.sin(0.5 * angle) + 3.0 * np.cos(23.0 * angle)
-    signal[5000] += 60.0
-    read = campaign(static("a", 60.0, "noise_std = 0.5"), a=table(angle, signal + noise))
-    (record,) = read.records
-    assert any("mean of 5 hunting cycles" in remark.sentence for remark in read.remarks)
-    assert np.ptp(record.axis) < 4.0 * np.pi
-    assert record.noise_std == pytest.approx(0.5e-6 / np.sqrt(5.0), rel=1e-9)
-    rest = record.value * 1e6 - 8.0 * np.sin(0.5 * record.axis) - 3.0 * np.cos(23.0 * record.axis)
-    assert np.std(rest) == pytest.approx(0.5 / np.sqrt(5.0), rel=0.1)
-
-
 def test_more_rows_than_memory_holds_are_refused(campaign: Callable[..., Campaign], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearfem.diagnosis.reading.campaign.ROWS", 64 * 1800)
     with pytest.raises(InputError, match="1801 rows in all; allowed: up to 1800"):

@@ -12,14 +12,17 @@ from gearfem.diagnosis.reading import thinning
 from gearfem.diagnosis.reading.measurement import Measurement, make_record
 from gearfem.diagnosis.reading.thinning import thinned
 
-PAIR = gearfem.make_setup(
-    {
-        "pair": {"module_mm": 2.5, "face_width_mm": 25.0},
-        "pinion": {"teeth": 20},
-        "wheel": {"teeth": 41},
-        "operation": {"pinion_torque_Nm": 120.0, "pinion_speed_rpm": 1000.0},
-    }
-).pair
+PAIR, HUNTING = (
+    gearfem.make_setup(
+        {
+            "pair": {"module_mm": 2.5, "face_width_mm": 25.0},
+            "pinion": {"teeth": 20},
+            "wheel": {"teeth": wheel},
+            "operation": {"pinion_torque_Nm": 120.0, "pinion_speed_rpm": 1000.0},
+        }
+    ).pair
+    for wheel in (41, 40)
+)
 
 
 def measured(to_a_pitch: int, pitches: float, masked: tuple[int, ...] = ()) -> Measurement:
@@ -38,7 +41,7 @@ def test_an_encoder_of_3600_lines_is_thinned_to_no_less_than_48_rows_to_a_pitch(
     assert list(first.line) == list(record.line[::3])
     assert len(remarks) == 8
     assert remarks[0].kind == "thinned"
-    assert remarks[0].sentence.startswith("one of 3 rows is used, 9600 of 28800:")
+    assert remarks[0].sentence.startswith("one of 3 rows is used, 9600 of 28800, since")
 
 
 def test_rows_are_left_out_only_as_far_as_the_campaign_has_too_many() -> None:
@@ -69,3 +72,45 @@ def test_other_axes_are_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     found, remarks = thinned([record], PAIR)
     assert found[0] is record
     assert remarks == []
+
+
+CYCLE = 4.0 * np.pi
+
+
+def hunting(to_a_turn: float, cycles: float, masked: tuple[int, ...] = ()) -> Measurement:
+    """Return hunting cycles, of two turns each, of a pair of 20 and 40 teeth: a wave of a cycle, one of the mesh, a spike and noise."""
+    axis = np.round(np.arange(0.0, cycles * to_a_turn * 2.0) * 2.0 * np.pi / to_a_turn, 7)
+    noise = np.random.default_rng(5).normal(0.0, 0.5e-6, len(axis))
+    noise[list(masked)] += 60e-6
+    record = make_record("static_transmission_error", axis, smooth(axis) + noise, pinion_torque=50.0, noise_std=0.5e-6)
+    return dataclasses.replace(record, keep=~np.isin(np.arange(len(axis)), masked))
+
+
+def smooth(axis: np.ndarray) -> np.ndarray:
+    return 8e-6 * np.sin(0.5 * axis) + 3e-6 * np.cos(20.0 * axis)
+
+
+@pytest.mark.parametrize("cycles", [5.0, 5.2])
+def test_hunting_cycles_with_rows_at_the_same_angles_are_taken_as_their_mean(monkeypatch: pytest.MonkeyPatch, cycles: float) -> None:
+    monkeypatch.setattr(thinning, "MANY", 4000)
+    whole = hunting(800.0, cycles, masked=(5000,))
+    # Single rows may be missing.
+    whole = thinning._at(whole, np.delete(np.arange(len(whole.axis)), [3000, 3001]))
+    (record,), (remark,) = thinned([whole], HUNTING)
+    assert remark.sentence.startswith(f"the mean of 5 hunting cycles is taken, 1600 of {len(whole.axis)} rows")
+    assert record.axis == pytest.approx(np.arange(1600) * np.pi / 400.0, rel=0.0, abs=1e-7)
+    assert record.keep.all()
+    assert record.noise_std == pytest.approx(0.5e-6 / np.sqrt(5.0), rel=1e-9)
+    assert np.std(record.value - smooth(record.axis)) == pytest.approx(0.5e-6 / np.sqrt(5.0), rel=0.05)
+
+
+def test_of_hunting_cycles_with_rows_elsewhere_the_first_two_are_used_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What stands between rows is not met by them: half a micrometre of five where pairs hand over, at 30 rows to a pitch."""
+    monkeypatch.setattr(thinning, "MANY", 4000)
+    whole = hunting(800.2, 5.2)
+    (record,), (remark,) = thinned([whole], HUNTING)
+    rows = len(record.axis)
+    assert remark.sentence.startswith(f"the first 2 of 5 hunting cycles are used, {rows} of {len(whole.axis)} rows")
+    assert CYCLE * 2.0 - 0.01 < record.axis[-1] < CYCLE * 2.0
+    assert record.value == pytest.approx(whole.value[:rows], rel=0.0, abs=0.0)
+    assert record.noise_std == whole.noise_std

@@ -14,7 +14,6 @@ from gearfem.definition.setup import GearPair, Setup
 from gearfem.definition.validate import shown
 from gearfem.diagnosis.reading.faults import Fault, find_faults
 from gearfem.diagnosis.reading.measurement import Measurement
-from gearfem.diagnosis.reading.periods import hunting_period, mean_cycle
 from gearfem.diagnosis.reading.quantities import QUANTITIES
 from gearfem.diagnosis.reading.roles import Role, share_roles
 from gearfem.diagnosis.reading.schema import ALLOWED, RecordTable, validate_campaign
@@ -26,9 +25,8 @@ from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.units import RPM
 from gearfem.model import load_model
 
-# Rows from which on records over several hunting cycles are taken as their mean; and rows times teeth at most, each of which takes some
-# 400 bytes of memory: 12 GB.
-LONG, ROWS = 20_000, 30_000_000
+# Rows times teeth at most, each of which takes some 400 bytes of memory: 12 GB.
+ROWS = 30_000_000
 # Noise that no record holds: of so many rows over the angle or the speed three times what they vary by, noise included (records say 1.4
 # times at most), or of any a hundred-millionth of it; and least noise in the unit of the file.
 FEW, LOUDEST, FAINTEST, LEAST_NOISE = 8, 3.0, 1e-8, 1e-9
@@ -174,10 +172,6 @@ def _measurement(folder: Path, entry: RecordTable, pair: GearPair) -> tuple[Meas
         noise_std=None if entry.noise_std is None else entry.noise_std * quantity.factors[1],
         role_given=entry.role is not None,
     )
-    if quantity.axis == "angle" and len(axis) > LONG and np.ptp(axis) > 2.0 * hunting_period(pair):
-        record, cycles = _mean_of(record, pair)
-        said = f"the mean of {cycles} hunting cycles is taken, {len(record.axis)} of {len(axis)} rows"
-        faults.append(Fault(record=entry.file, kind="mean", rows=(), sentence=said))
     return record, faults
 
 
@@ -193,12 +187,3 @@ def _check_noise(stated: float | None, value: Array, loudest: float) -> None:
     if not least <= stated <= most:
         allowed = f"from {least:.3g} to {most:.3g} in the unit of the column, whose values vary by {varies:.3g}, noise included"
         raise InputError("noise_std", f"{stated:g}", allowed)
-
-
-def _mean_of(record: Measurement, pair: GearPair) -> tuple[Measurement, int]:
-    """Return a record over several hunting cycles as their mean, whose noise is less, and how many they are."""
-    axis, line = record.axis[record.keep], record.line[record.keep]
-    value, cycles = mean_cycle(axis, record.value[record.keep], hunting_period(pair))
-    rows, noise = len(value), record.noise_std and record.noise_std / math.sqrt(cycles)
-    whole = {"axis": axis[:rows], "line": line[:rows], "keep": np.ones(rows, bool)}
-    return dataclasses.replace(record, value=value, noise_std=noise, **whole), cycles

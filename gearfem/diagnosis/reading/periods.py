@@ -1,4 +1,4 @@
-"""What comes back with the turns of the gears: values one period later, and the mean over whole hunting cycles."""
+"""What comes back with the turns of the gears: values one period later."""
 
 from __future__ import annotations
 
@@ -15,21 +15,6 @@ from gearfem.foundation import Array
 def hunting_period(pair: GearPair) -> float:
     """Return the turn of the pinion [rad] after which the same teeth meet again."""
     return 2.0 * math.pi * pair.wheel.teeth / math.gcd(pair.pinion.teeth, pair.wheel.teeth)
-
-
-def mean_cycle(axis: Array, value: Array, period: float) -> tuple[Array, int]:
-    """Return the mean of a series over whole cycles, at the rows of the first one, and how many there are.
-
-    Parameters
-    ----------
-    axis, value : ndarray, shape (n,)
-        A series over one cycle or more; the axis rises.
-    period : float
-        Of a cycle, in the unit of the axis.
-    """
-    rows, cycles = int(np.searchsorted(axis, axis[0] + period)), int((axis[-1] - axis[0]) / period)
-    later = (shifted(axis, value, cycle * period)[0][:rows] for cycle in range(1, cycles))
-    return np.asarray(sum(later, start=value[:rows]) / cycles), cycles
 
 
 def nearest_rows(axis: Array, places: Array) -> NDArray[Any]:
