@@ -34,8 +34,8 @@ def thinned(records: list[Measurement], pair: GearPair) -> tuple[list[Measuremen
     Returns
     -------
     list of Measurement
-        Over more than two hunting cycles their mean, where each has its rows at the same angles, else the first two; then, where these are still
-        very many, every second, third, ... row of dense records.
+        Over more than two hunting cycles their mean, where each has its rows at the same angles, else the first two; then, where these are
+        still very many, every second, third, ... row of dense records.
     list of Fault
         What was done to which.
 
