@@ -250,6 +250,11 @@ def test_slow_records_know_no_lag_and_no_resonance():
     assert stiff[0] == pytest.approx(1.1 * stiff[1], rel=1e-12, abs=0.0)
 
 
+@pytest.mark.parametrize(("ratio", "deviations"), [(0.01, -2.0), (0.084, 0.0), (0.7, 2.0)])
+def test_sensors_are_damped_between_piezoelectric_ones_and_those_with_a_damper(ratio: float, deviations: float) -> None:
+    assert effect("sensor_resonance", frequency_Hz=3000.0, ratio=ratio).unlikely() == pytest.approx((deviations,), rel=0.0, abs=0.01)
+
+
 def test_no_effect_of_the_catalogue_is_left_out_here():
     text = Path(__file__).read_text()
     assert [name for name in catalogue() if f'"{name}"' not in text] == []
