@@ -99,7 +99,7 @@ def _fields(line: str, where: str, file: str) -> list[str]:
 def _numbers(line: str, names: tuple[str, ...], where: str, file: str) -> list[float]:
     fields = _fields(line, where, file)
     if len(fields) != len(names):
-        raise InputError(where, f"{len(fields)} columns", f"{len(names)} columns: {','.join(names)}", file)
+        raise InputError(where, f"{len(fields)} column{'s' if len(fields) > 1 else ''}", f"{len(names)} columns: {','.join(names)}", file)
     values = []
     for name, field in zip(names, fields, strict=True):
         try:

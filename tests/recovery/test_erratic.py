@@ -66,7 +66,7 @@ def test_an_erratic_motion_counts_for_nothing_but_what_exceeds_its_course(found:
     course = np.std(first.value[first.keep]) / problem.noises[0].std
     bare, teeth = (of_single_teeth(one, settings, ()) for one in (found.problem, problem))
     assert teeth.floor == pytest.approx([1.0 + course**2, *bare.floor[1:]], rel=1e-12, abs=0.0)
-    where = localise(dataclasses.replace(found.comparison, problem=problem), draws=10)
+    where = localise(dataclasses.replace(found.comparison, problem=problem), draws=100)
     assert {one.record for one in where.maps} == {record.file for record in others}
 
 

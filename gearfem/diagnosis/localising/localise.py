@@ -20,7 +20,7 @@ from gearfem.foundation import Array, InputError, Record
 from gearfem.foundation.progress import Progress, quiet
 from gearfem.foundation.units import UM
 
-DRAWS, FEWEST = 300, 10
+DRAWS, FEWEST = 300, 100
 # Draws that are held in memory at a time.
 SLICE = 50
 CHANCE = 0.01
@@ -138,7 +138,7 @@ def localise(comparison: Comparison, fit: Fit | None = None, draws: int = DRAWS,
     Raises
     ------
     InputError
-        If there are fewer than ten draws.
+        If there are fewer than a hundred draws, which could show no chance of less than one in a hundred.
 
     Notes
     -----

@@ -21,7 +21,7 @@ NAMED: tuple[Verdict, ...] = ("explained", "partly_explained", "ambiguous")
 
 def merged(first: Naming, second: Naming) -> Naming:
     """Return one verdict from that on slow records row by row and that on means under what it names."""
-    return _one(first, second, second.alone, beside(first.fit, second.fit), "All teeth, row by row", "All teeth, at speed")
+    return _one(first, second, second.alone, beside(first.fit, second.fit), "row by row", "in means")
 
 
 def joined(problem: Problem, alone: Fit, first: Naming, second: Naming) -> Naming:

@@ -185,5 +185,6 @@ def _check_noise(stated: float | None, value: Array, loudest: float) -> None:
     varies = float(np.std(value))
     least, most = max(FAINTEST * varies, LEAST_NOISE), loudest * varies if varies else math.inf
     if not least <= stated <= most:
-        allowed = f"from {least:.3g} to {most:.3g} in the unit of the column, whose values vary by {varies:.3g}, noise included"
+        held = f"in the unit of the column, whose values vary by {varies:.3g}, noise included; or the column is in another unit"
+        allowed = f"from {least:.3g} to {most:.3g} {held}"
         raise InputError("noise_std", f"{stated:g}", allowed)
