@@ -129,6 +129,18 @@ def test_steps_and_events_that_return_are_no_spikes(campaign: Callable[..., Camp
     assert read.records[0].keep.all()
 
 
+def test_a_campaign_of_very_many_rows_says_which_are_used(campaign: Callable[..., Campaign], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gearfem.diagnosis.reading.thinning.MANY", 4000)
+    angle = np.arange(9000) * PITCH / 150.0
+    read = campaign(static("a", 60.0, "noise_std = 0.1"), a=table(angle, curve(1, angle, 60.0)))
+    (record,) = read.records
+    assert len(record.axis) == 3000
+    # A comment and the header come before.
+    assert record.line[:2].tolist() == [3, 6]
+    (remark,) = [one for one in read.remarks if one.kind == "thinned"]
+    assert remark.sentence == "one of 3 rows is used, 3000 of 9000, since the campaign has more than 4000"
+
+
 def test_more_rows_than_memory_holds_are_refused(campaign: Callable[..., Campaign], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearfem.diagnosis.reading.campaign.ROWS", 64 * 1800)
     with pytest.raises(InputError, match="1801 rows in all; allowed: up to 1800"):

@@ -47,15 +47,14 @@ def thinned(records: list[Measurement], pair: GearPair) -> tuple[list[Measuremen
     for fewer in (_of_fewer_cycles, _of_fewer_rows):
         among = math.ceil(sum(len(record.axis) for record in records) / MANY)
         if among > 1:
-            done = [fewer(record, pair, among) for record in records]
+            done = [fewer(one, pair, among) if one.quantity.axis == "angle" and len(one.axis) > 1 else (one, "") for one in records]
             records = [record for record, _ in done]
-            remarks += [Fault(record=one.file, kind="thinned", rows=(), sentence=said) for one, said in done if said]
+            since = f"since the campaign has more than {MANY}"
+            remarks += [Fault(record=one.file, kind="thinned", rows=(), sentence=f"{said}, {since}") for one, said in done if said]
     return records, remarks
 
 
 def _of_fewer_cycles(record: Measurement, pair: GearPair, _: int) -> tuple[Measurement, str]:
-    if record.quantity.axis != "angle" or len(record.axis) < 2:
-        return record, ""
     axis, period, whole = record.axis, hunting_period(pair), len(record.axis)
     step = float(np.median(np.diff(axis)))
     near_enough = SAME * step
@@ -69,19 +68,17 @@ def _of_fewer_cycles(record: Measurement, pair: GearPair, _: int) -> tuple[Measu
     same = np.abs(axis[near] - places) < near_enough
     if same.mean() < MOST:
         record = _at(record, np.arange(np.searchsorted(axis, axis[0] + CYCLES * period)))
-        return record, f"the first {CYCLES} of {cycles} hunting cycles are used, {len(record.axis)} of {whole} rows, {_since()}"
+        return record, f"the first {CYCLES} of {cycles} hunting cycles are used, {len(record.axis)} of {whole} rows"
     used = same & record.keep[near]
     count = used.sum(axis=0)
     value = np.where(used, record.value[near], 0.0).sum(axis=0) / np.maximum(count, 1)
     noise = record.noise_std and record.noise_std / math.sqrt(cycles)
     record = dataclasses.replace(_at(record, np.arange(rows)), value=value, keep=count > 0, noise_std=noise)
-    return record, f"the mean of {cycles} hunting cycles is taken, {rows} of {whole} rows, {_since()}"
+    return record, f"the mean of {cycles} hunting cycles is taken, {rows} of {whole} rows"
 
 
 def _of_fewer_rows(record: Measurement, pair: GearPair, among: int) -> tuple[Measurement, str]:
     whole = len(record.axis)
-    if record.quantity.axis != "angle" or whole < 2:
-        return record, ""
     step = min(among, int((whole - 1) * pair.pinion.pitch_angle / np.ptp(record.axis)) // PLENTY)
     if step < 2:
         return record, ""
@@ -89,11 +86,7 @@ def _of_fewer_rows(record: Measurement, pair: GearPair, among: int) -> tuple[Mea
     keep = np.zeros(math.ceil(whole / step) * step, bool)
     keep[:whole] = record.keep
     record = _at(record, np.arange(0, len(keep), step) + np.argmax(keep.reshape(-1, step), axis=1))
-    return record, f"one of {step} rows is used, {len(record.axis)} of {whole}, {_since()}"
-
-
-def _since() -> str:
-    return f"since the campaign has more than {MANY}"
+    return record, f"one of {step} rows is used, {len(record.axis)} of {whole}"
 
 
 def _at(record: Measurement, rows: NDArray[Any]) -> Measurement:
